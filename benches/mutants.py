@@ -93,8 +93,8 @@ MUTANTS = (
     Mutant(
         "prior of no cause halved",
         "settings/priors.py",
-        "number(0.44,",
-        "number(0.22,",
+        "threshold(0.44,",
+        "threshold(0.22,",
         "test_method.py",
     ),
     Mutant(
@@ -252,7 +252,7 @@ MUTANTS = (
     Mutant(
         "the credible set is the most probable set alone",
         "verdict.py",
-        "if total >= joint.settings.claims.credible:",
+        "if total >= least:",
         "if total >= 0.0:",
         "test_diagnose_output.py",
     ),

@@ -1,10 +1,13 @@
 """Autocorrelated noise: in long tables, where most correlations are excluded early, and convection."""
 
+import sys
+
 import numpy as np
 import pytest
 from hidden_effects.designs import remembering
 
 import echocal
+from echocal.diagnose.inference.autocorrelation import at_first
 
 ROWS = 24_000  # more than a short table
 
@@ -26,12 +29,13 @@ def log(noise: np.ndarray, random: np.random.Generator, power: float = 0.5) -> d
 @pytest.mark.slow
 @pytest.mark.parametrize("keep", [0.0, 0.9])
 def test_a_long_table_has_the_probabilities_of_all_autocorrelations(
-    keep: float, random: np.random.Generator
+    keep: float, random: np.random.Generator, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     white, cells = random.normal(0, 1e-3, ROWS), remembering(ROWS, keep, random)
     table = log(white + (1e-3 * cells if keep else 0.0), random)
     quick = echocal.diagnose(table)
-    whole = echocal.diagnose(table, settings={"noise_models": {"long_table": ROWS}})
+    monkeypatch.setattr(sys.modules[at_first.__module__], "LONG", ROWS)
+    whole = echocal.diagnose(table)
     assert quick.causes[0].id in {"fixed_delay", "zero_error"}  # few degrees separate them: a draw may err
     assert ("correlated_noise" in {c.id for c in quick.causes}) == (keep > 0)
     assert [c.id for c in quick.causes] == [c.id for c in whole.causes]

@@ -10,10 +10,11 @@ from hidden_effects.planting import EFFECTS, bench, noise, table
 
 import echocal
 from echocal import Model
+from echocal.cli._ranges import parsed_ranges
 from echocal.diagnose.experiment_design.average import Member
-from echocal.diagnose.experiment_design.design import best_plan
+from echocal.diagnose.experiment_design.design import planned
 from echocal.diagnose.experiment_design.prospect import Prospect
-from echocal.diagnose.experiment_design.ranges import corners_and_middle, grid, parsed_ranges
+from echocal.diagnose.experiment_design.ranges import corners_and_middle
 from echocal.diagnose.inference.noise import Noise
 
 RANGES = {"distance": (0.2, 4.0), "temperature": (5.0, 40.0)}
@@ -104,7 +105,7 @@ NINE = {"distance": np.repeat([0.3, 1.0, 3.0], 3), "temperature": np.tile([5.0, 
 
 def test_a_prospect_without_noise_can_be_planned() -> None:
     seen = prospect([{}, {"zero_error": {"offset": 1e-3}}], NINE, 0.0)
-    assert best_plan(seen, np.array([0.5, 0.5]), np.arange(2), 10, 0).expected > 0.5
+    assert planned(seen, np.array([0.5, 0.5]), np.arange(2), 10, 0).expected > 0.5
 
 
 def test_exact_aliases_are_one_class_and_what_a_place_can_tell_is_not() -> None:
@@ -127,7 +128,7 @@ def test_exact_aliases_are_one_class_and_what_a_place_can_tell_is_not() -> None:
 
 def test_a_promise_counts_what_is_outside_the_members_as_lost() -> None:
     seen = prospect([{}, {"zero_error": {"offset": 0.1}}], NINE, 1e-6)
-    plan = best_plan(seen, np.array([0.5, 0.3]), np.arange(2), 10, 0)
+    plan = planned(seen, np.array([0.5, 0.3]), np.arange(2), 10, 0)
     assert plan.now == pytest.approx(0.5)
     assert plan.expected == pytest.approx(0.8, abs=1e-3)
 
@@ -136,17 +137,17 @@ def test_a_promise_counts_what_is_outside_the_members_as_lost() -> None:
 def test_a_promise_is_kept_by_its_own_members(random: np.random.Generator) -> None:
     """Draw the truth and readings of the plan's places, weigh the members by hand, count."""
     effects = [{}, {"zero_error": {"offset": 2e-3}}, {"reference_scale": {"scale": 1e-3}}]
-    seen, rows = prospect(effects, NINE, 9e-6), 6
+    four = {"distance": np.array([0.3, 0.3, 3.0, 3.0]), "temperature": np.array([5.0, 35.0, 5.0, 35.0])}
+    seen = prospect(effects, four, 9e-6)
     probability = np.array([0.5, 0.3, 0.2])
-    where = np.array([0, 2, 6, 8])
-    plan = best_plan(seen, probability, np.arange(3), rows, 0, where)
+    plan = planned(seen, probability, np.arange(3), 6, 0)
     counts = np.array(plan.rows)
     trials = 20_000
     truth = random.choice(3, trials, p=probability)
-    tape = 1e-6 * (1.0 + np.equal.outer(*2 * [NINE["distance"][where]]))
+    tape = 1e-6 * (1.0 + np.equal.outer(*2 * [four["distance"]]))
     spread = tape + np.diag(9e-6 / counts)
-    drawn = seen.shift[truth][:, where] + random.multivariate_normal(np.zeros(4), spread, trials)
-    left = drawn[:, None] - seen.shift[None][:, :, where]
+    drawn = seen.shift[truth] + random.multivariate_normal(np.zeros(4), spread, trials)
+    left = drawn[:, None] - seen.shift[None]
     log = np.log(probability) - 0.5 * np.einsum("nmi,ij,nmj->nm", left, np.linalg.inv(spread), left)
     hits = int((log.argmax(axis=1) == truth).sum())
     assert plan.expected == pytest.approx(hits / trials, abs=0.03)
@@ -154,12 +155,20 @@ def test_a_promise_is_kept_by_its_own_members(random: np.random.Generator) -> No
 
 @pytest.mark.parametrize("names", [("distance",), ("temperature",), ("distance", "temperature")])
 def test_the_guards_are_the_corners_and_the_middle(names: tuple[str, ...]) -> None:
-    places = grid({name: RANGES[name] for name in names})
-    *ends, middle = corners_and_middle(places)
-    corners = {tuple(column[i] for column in places.values()) for i in ends}
-    assert corners == set(product(*(RANGES[name] for name in names)))
+    *corners, middle = zip(*corners_and_middle({name: RANGES[name] for name in names}).values(), strict=True)
+    assert set(corners) == set(product(*(RANGES[name] for name in names)))
     center = {"distance": (0.2 * 4.0) ** 0.5, "temperature": 22.5}
-    assert [places[name][middle] for name in names] == pytest.approx([center[name] for name in names])
+    assert middle == pytest.approx([center[name] for name in names])
+
+
+@pytest.mark.parametrize("count", [4, 5, 7, 9])
+def test_many_conditions_share_few_corners(count: int) -> None:
+    """Each condition is at each end equally often, whatever another one is: no two are confounded."""
+    columns = corners_and_middle({str(name): (-1.0, 1.0) for name in range(count)})
+    corners = np.array(list(columns.values()))[:, :-1]
+    assert corners.shape[1] == (8 if count < 8 else 16)
+    assert (corners @ corners.T == corners.shape[1] * np.eye(count)).all()
+    assert not corners.sum(axis=1).any()
 
 
 @pytest.mark.statistical

@@ -1,11 +1,10 @@
 """Where an effect may begin: places along a column, closer where it explains most."""
 
-from typing import Any
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from echocal.diagnose.candidates.onset_search import OnsetSearch, PrefixSumSearch
 from echocal.diagnose.candidates.onsets import places
 from echocal.diagnose.candidates.scene import Scene
 from echocal.diagnose.preprocess.base import Base
@@ -23,15 +22,10 @@ def scene(order: np.ndarray) -> Scene:
     temperature = 20 + 8 * np.sin(time * 2 * np.pi / 86400)
     residual = random.normal(0.0, 1e-3, ROWS) + 2e-3 * (np.arange(ROWS) >= BUMPED)
     conditions = {"temperature": temperature[order], "elapsed_time": time[order]}
-    return Scene(
-        Base.of("linear"),
-        distance[order],
-        conditions,
-        lambda _: distance[order],
-        None,
-        residual[order],
-        Settings(),
+    table = SimpleNamespace(
+        reference=distance[order], distance=lambda _: distance[order], conditions=conditions
     )
+    return Scene(table, Base.of("linear"), residual[order], Settings())
 
 
 def found(id_: str, order: np.ndarray) -> list[tuple[float, float]]:
@@ -50,23 +44,3 @@ def test_the_order_of_the_rows_does_not_matter(id_: str) -> None:
 def test_a_step_is_found_to_the_row() -> None:
     near = min(abs(time - 60.0 * (BUMPED - 0.5)) for time, _ in found("step_change", np.arange(ROWS)))
     assert near <= 60.0
-
-
-@pytest.mark.parametrize("order", [np.arange(ROWS), np.random.default_rng(3).permutation(ROWS)])
-def test_sums_beyond_a_place_are_those_of_the_columns(order: np.ndarray) -> None:
-    """Of an effect that divides its column, no row is looked at twice: sums from each row on say it all."""
-    effect, there = find_effect("step_change"), scene(order)
-    given: dict[str, Any] = {
-        "effect": effect,
-        "parameters": {p.name: p.neutral for p in effect.parameters},
-        "place": "time",
-        "scene": there,
-        "of": [there.leftover, there.residual],
-    }
-    column = there.conditions["elapsed_time"]
-    divided, plain = PrefixSumSearch(**given, column=column, first=240.0), OnsetSearch(**given)
-    places = [240.0, 241.0, 60.0 * 700, 60.0 * 1890.5, 60.0 * (ROWS - 2), 60.0 * ROWS]
-    for look in (divided, plain):
-        look.at(places)
-    for place in places:
-        np.testing.assert_allclose(divided.known[place], plain.known[place], rtol=1e-11, atol=1e-12)

@@ -13,8 +13,8 @@ from rich.console import Console
 
 import echocal
 from echocal.diagnose import Cause, NextMeasurement
-from echocal.diagnose.results.followed import by_correlation
 from echocal.diagnose.results.grouped import grouped
+from echocal.panels import by_correlation
 from echocal.plots.diagnosis import plot_gain, save_diagnosis
 from echocal.plots.next_measurements import next_figure
 from echocal.plots.posterior import plot_posterior

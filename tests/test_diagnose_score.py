@@ -8,12 +8,10 @@ from scipy.signal import lfilter
 from echocal.diagnose.inference.noise import Noise
 from echocal.diagnose.preprocess.folds import Folds
 from echocal.diagnose.preprocess.order import Order
-from echocal.diagnose.settings import ValidationSettings
 from echocal.diagnose.validation.gain import HeldOut
 from echocal.diagnose.validation.score import Score, score
 
 Random = np.random.Generator
-SETTINGS = ValidationSettings()
 
 
 def order_of(groups: np.ndarray, *, flat_level: bool) -> Order:
@@ -78,10 +76,10 @@ def test_the_interval_is_that_of_independent_pieces(random: Random) -> None:
     covered = 0
     for _ in range(400):
         rows = random.normal(0.1, 1.0, 400)
-        low, high = Score(rows).interval(SETTINGS)
+        low, high = Score(rows).interval()
         covered += low < 40.0 < high
     assert 0.91 < covered / 400 < 0.985  # four standard errors
-    assert Score(np.zeros(0)).interval(SETTINGS) == (0.0, 0.0)
+    assert Score(np.zeros(0)).interval() == (0.0, 0.0)
 
 
 def remembering(n: int, rho: float, random: Random) -> np.ndarray:
@@ -121,11 +119,11 @@ def test_slow_noise_does_not_refute_what_acts(random: Random) -> None:
     drawn = [log_of_a_day(0.995, 15.0, random) for _ in range(60)]
     assert sum(by_squares for _, by_squares, _ in drawn) >= 5  # 0.29 of them, by chance
     assert sum(found.total < 0.0 for _, _, found in drawn) <= 2
-    assert sum(found.interval(SETTINGS)[0] > 0.0 for _, _, found in drawn) >= 30  # 0.77 of them
+    assert sum(found.interval()[0] > 0.0 for _, _, found in drawn) >= 30  # 0.77 of them
 
 
 def test_what_chance_has_chosen_is_not_proven(random: Random) -> None:
     drawn = [log_of_a_day(0.97, 0.0, random) for _ in range(800)]
     chosen = [found for ratio, _, found in drawn if ratio > 2.0]
     assert len(chosen) > 10
-    assert sum(found.interval(SETTINGS)[0] > 0.0 for found in chosen) <= 0.2 * len(chosen)
+    assert sum(found.interval()[0] > 0.0 for found in chosen) <= 0.2 * len(chosen)

@@ -41,8 +41,7 @@ def inferred(given: Table, rhos: list[float] | None = None) -> Examined:
     settings: Any = None
     if rhos is not None:
         settings = {"noise_models": {"autoregressions": [[0.0, [0.0, *rhos]]]}}
-    never = dict.fromkeys(("reference_distance", "since", "until", "hold_out_after", "can_vary"))
-    request = Request.of("linear", 0, settings, constant_distance=False, **never)
+    request = Request.of("linear", 0, settings)
     reading = read(given, {"reading_speed": request.base.reading_speed})
     return examined(reading, request, Steps(None))
 

@@ -24,6 +24,7 @@ LAYERS = (
     {"sweep", "calibrate", "engines"},
     {"virtual_bench"},
     {"diagnose", "silicon", "echoes", "verify"},
+    {"panels"},
     {"plots", "report", "firmware", "batch", "correct"},
     {"study", "explore", "emulation", "fleet", "watch"},
     {"pages"},

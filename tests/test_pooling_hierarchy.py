@@ -72,17 +72,17 @@ def test_one_size_for_all_is_the_weighted_mean(random: np.random.Generator) -> N
     grid = Grid(np.array([[1e3]]), np.array([[0.0]]))  # hardly any prior
     found = population(tables, grid, FREE)
     precision = tables.precision.sum()
-    assert found.mean[0] == pytest.approx(tables.information.sum() / precision, rel=1e-5)
-    assert found.covariance[0, 0] == pytest.approx(1 / precision, rel=1e-5)
+    assert found.mean.mean[0] == pytest.approx(tables.information.sum() / precision, rel=1e-5)
+    assert found.mean.covariance[0, 0] == pytest.approx(1 / precision, rel=1e-5)
 
 
 def test_a_table_without_information_takes_the_size_of_the_others(random: np.random.Generator) -> None:
     tables = drawn(random, 3)
     tables.information[2], tables.precision[2] = 0.0, 0.0
     found = population(tables, Grid.of([1], (0.0, 0.2)), FREE)
-    mean, covariance = found.sizes(tables)
-    assert mean[2] == pytest.approx(found.mean)
-    assert covariance[2, 0, 0] > found.covariance[0, 0]
+    silent = found.drawn(tables)[2]
+    assert silent.mean == pytest.approx(found.mean.mean)
+    assert silent.covariance[0, 0] > found.mean.covariance[0, 0]
     assert found.log_evidence == pytest.approx(
         population(tables.only(np.arange(3) < 2), Grid.of([1], (0.0, 0.2)), FREE).log_evidence + tables.log[2]
     )
@@ -96,7 +96,7 @@ def test_sizes_that_differ_show_their_standard_deviation(random: np.random.Gener
         size = random.normal(1.0, deviation, count)
         tables = Likelihoods(np.zeros(count), 2500.0 * size[:, None], np.full((count, 1, 1), 2500.0))
         found = population(tables, Grid.of([1], (0.0, 0.03, 0.1, 0.2, 0.4, 0.8)), FREE)
-        assert found.mean[0] == pytest.approx(1.0, abs=6 * deviation / count**0.5)
+        assert found.mean.mean[0] == pytest.approx(1.0, abs=6 * deviation / count**0.5)
         between.append(found.between[0])
     assert np.median(between) == pytest.approx(deviation, rel=0.6)
 

@@ -38,7 +38,7 @@ Goals: worse than the base in at most 0.10 of the pairs; mean share above 0; a n
 
 *A window that can know.* A window is asked whether it names what another one names. It can know if the
 cause, with the size that the other window found, raises the expected log likelihood there by at least 8
-(the limit of Eq. 39 in [method](method.md)): $\\frac12 x' V^{-1} x / \\sigma^2 \\ge 8$, with $x$ what the
+(four standard deviations): $\\frac12 x' V^{-1} x / \\sigma^2 \\ge 8$, with $x$ what the
 cause adds, $V$ and $\\sigma$ the noise that the asked window reports, and a free level of each segment.
 This was written before the figure was computed. A cause that agrees there is within 3 standard
 uncertainties (of both windows) of the size of the other window, in a fit of this cause alone.

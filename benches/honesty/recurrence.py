@@ -16,7 +16,7 @@ import echocal
 Column = NDArray[np.float64]
 
 EXPECTED = 8.0
-"""Expected log likelihood ratio from which on a window can know: the limit of docs/method.md, Eq. 39."""
+"""Expected log likelihood ratio from which on a window can know: four standard deviations."""
 
 _SURE = 3.0
 """Standard uncertainties within which two sizes agree."""

@@ -52,7 +52,7 @@ gives another prior, `settings={"faults": {"thresholds": {"crosstalk": {"least":
 IN_CORE = """\
 ## In the core
 
-These constants are not among the settings. The files are in `rust/infer/src`; the last two are in
+These constants are not among the settings. The files are in `rust/infer/src`; those in Python are in
 `python/echocal/diagnose`.
 
 | constant | value | unit | file | what it is |
@@ -183,6 +183,59 @@ CORE = (
         "least precision added to a column, over its square (Eq. 12); arithmetic",
     ),
     (
+        "PRUNED",
+        "log odds",
+        "inference/posterior.py",
+        "a hypothesis farther behind the best is left out; measured: with 18, a set with a probability of "
+        "0.0009 is missed",
+    ),
+    (
+        "UNDECIDED",
+        "log odds",
+        "inference/posterior.py",
+        "of the forms of a cause within it of the best, the one with the most parameters is taken; chosen by "
+        "hand",
+    ),
+    (
+        "INTERVAL",
+        "probability",
+        "validation/gain.py",
+        "of the intervals of the gain and of the log score; convention",
+    ),
+    (
+        "_MEMORIES",
+        "memories of the noise",
+        "validation/gain.py",
+        "in a piece of these intervals; argument: exp(-2) of the autocorrelation is left over such a length",
+    ),
+    (
+        "_GAIN",
+        "log likelihood",
+        "inference/smoothing.py",
+        "of rows left out, that a column of a smooth correction must add; argument: odds of 20",
+    ),
+    (
+        "_STANDARD_ERRORS",
+        "standard errors",
+        "inference/smoothing.py",
+        "of this, that are subtracted from it first: rule of one standard error, Hastie, Tibshirani, "
+        "Friedman, Elements of Statistical Learning, 7.10",
+    ),
+    (
+        "FAR",
+        "of the mean square",
+        "validation/turns.py",
+        "the floor is far below the error if the columns can remove more than this part; chosen by hand: "
+        "more than half of the error is no noise",
+    ),
+    (
+        "FAR_FROM_CHANCE",
+        "probability",
+        "validation/turns.py",
+        "p-value below which such an error is not left to chance; chosen by hand: the noise models are a "
+        "grid, and with the nearest one p-values are too small",
+    ),
+    (
         "_APART",
         "standard deviations",
         "preprocess/row_mixture.py",
@@ -227,7 +280,7 @@ def _constant(name: str, file: str) -> str:
     folder = "rust/infer/src" if file.endswith(".rs") else "python/echocal/diagnose"
     text = (ROOT / folder / file).read_text(encoding="utf-8")
     found = re.search(
-        rf"^(?:pub(?:\([a-z]+\))? )?(?:const )?{name}(?:: [^=]+)? = (.+?);?$", text, re.MULTILINE
+        rf"^(?:pub(?:\([a-z]+\))? )?(?:const )?{name}(?:: [^=]+)? = (.+?);?(?:  #.*)?$", text, re.MULTILINE
     )
     assert found, f"{file} has no constant {name}"
     value = re.sub(r"\bnp\.inf\b", "infinite", found[1].strip("[]()"))

@@ -10,6 +10,7 @@ import typer
 from echocal.cli import _fleet, _made_by, _pool
 from echocal.cli._console import Console
 from echocal.cli._outputs import Force, Output, PlotFormat, check_outputs, made_in
+from echocal.cli._ranges import parsed_ranges
 from echocal.cli._tables import (
     At,
     Columns,
@@ -33,7 +34,6 @@ from echocal.cli._tables import (
     write_json,
 )
 from echocal.diagnose import Diagnosis, diagnose
-from echocal.diagnose.experiment_design.ranges import parsed_ranges
 from echocal.engines.names import ENGINES
 from echocal.errors import DomainWarning, UsageError
 from echocal.model import Model

@@ -173,7 +173,7 @@ def examined(reading: Reading, request: Request, work: Steps) -> Examined:
 
         work.begin("planning measurements")
         joint = join(ranking, [*faults.found, *offsets], shares, reduced)
-        able = members(case, ranking, selection.every_claim, validation, reduced)
+        able = members(case, ranking, selection.claims, validation, reduced)
         proposals = propose(case, able, selection, validation, ranges)
         found = (inference, ranking, selection, validation, judge, joint, smooth, left)
         diagnosis = report(case, observations, *found, able, proposals)

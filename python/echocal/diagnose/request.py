@@ -41,14 +41,14 @@ class Request:
     """
 
     base: Base
-    reference_distance: float | None
-    constant_distance: bool
-    since: str | None
-    until: str | None
-    hold_out_after: str | float | None
-    can_vary: Mapping[str, Sequence[float]] | None
     seed: int
     settings: Settings
+    reference_distance: float | None = None
+    constant_distance: bool = False
+    since: str | None = None
+    until: str | None = None
+    hold_out_after: str | float | None = None
+    can_vary: Mapping[str, Sequence[float]] | None = None
 
     @classmethod
     def of(
@@ -66,7 +66,7 @@ class Request:
             If an argument contradicts another one or physics.
         """
         simulated = Base.of(base)
-        refuse_distance(others["reference_distance"])
+        refuse_distance(others.get("reference_distance"))
         if isinstance(seed, bool) or not isinstance(seed, int | np.integer) or seed < 0:
             message = f"seed is {seed!r}; give an integer of 0 or more"
             raise UsageError(message)

@@ -1,8 +1,11 @@
 """The verdict, one of four words, and the credible set."""
 
+from collections.abc import Iterable
+
 from echocal.diagnose.findings.parts import Remainder, Verdict
 from echocal.diagnose.selection.claims import Ranking
 from echocal.diagnose.selection.joint import Joint
+from echocal.diagnose.selection.parsimony import Ids
 from echocal.diagnose.selection.select import Selection
 from echocal.diagnose.validation.validate import Validation
 
@@ -53,12 +56,12 @@ def _shifted(ranking: Ranking, selection: Selection) -> bool:
     return nothing < 1 - ranking.settings.claims.named
 
 
-def credible_set(joint: Joint) -> tuple[tuple[str, ...], ...]:
-    """The fewest sets of causes that together have the probability of a credible set."""
+def credible_set(sets: Iterable[tuple[Ids, float]], least: float) -> tuple[Ids, ...]:
+    """The fewest sets of causes, most probable first, that together have a probability of at least this."""
     total, chosen = 0.0, []
-    for ids, p in joint.sets.items():
+    for ids, p in sets:
         chosen.append(ids)
         total += p
-        if total >= joint.settings.claims.credible:
+        if total >= least:
             break
     return tuple(chosen)

@@ -15,6 +15,9 @@ __all__ = ["Prevalence", "prevalence"]
 Column = NDArray[np.float64]
 Ids = tuple[str, ...]
 
+_ROUNDS = 2000  # of the expectation maximization
+_SETTLED = 1e-6  # change of a prevalence: one sensor in a million
+
 
 @dataclass(frozen=True)
 class Prevalence:
@@ -60,14 +63,14 @@ def prevalence(sensors: Sequence[Mapping[str, Any]], settings: Settings) -> Prev
     number = sets.competes.sum(axis=0)
     share = sets.prior
     posterior = sets.posterior(np.tile(share, (len(sensors), 1)))
-    for _ in range(settings.fleet.rounds):
+    for _ in range(_ROUNDS):
         before = share
         probability = sets.probabilities(posterior)
         share = _share(probability.sum(axis=0), number, sets.prior, weight)
         # of each sensor from the others alone: else it would count twice (Eq. 58)
         others = _share(probability.sum(axis=0) - probability, number - sets.competes, sets.prior, weight)
         posterior = sets.posterior(others)
-        if np.max(np.abs(share - before), initial=0.0) < settings.fleet.settled:
+        if np.max(np.abs(share - before), initial=0.0) < _SETTLED:
             break
     deviation = _uncertainty(sets, share, sets.probabilities(posterior), weight)
     ends = zip(sets.start[:-1], sets.start[1:], strict=True)

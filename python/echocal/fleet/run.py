@@ -275,7 +275,7 @@ def _request(
     whole = {**usual, "hold_out_after": None, **request}
     law: str | float = base if isinstance(base, float | int) else str(base)
     model = Model.load(law) if isinstance(law, str) and law.endswith(".json") else None
-    Request.of(law if model is None else model, seed, settings, can_vary=None, **whole)
+    Request.of(law if model is None else model, seed, settings, **whole)
     plain_base = law if model is None else to_plain(model)
     plain = None if settings is None else Settings.of(settings).to_dict()
     return {"request": {"base": plain_base, "seed": seed, "settings": plain, **whole}}

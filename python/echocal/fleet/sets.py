@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from math import comb
 from typing import Any
 
 import numpy as np
@@ -150,9 +149,7 @@ def _independent(settings: Settings) -> dict[str, float]:
 
 def _priors(competing: int, settings: Settings) -> tuple[list[float], float]:
     """Log prior of one set of each number of effects, and the prior of one effect: Eq. 7 and 8."""
-    given = settings.priors.counts
-    more = (given[-1] * 0.1**n for n in range(1, max(competing + 2 - len(given), 1)))
-    counts = [*given, *more][: competing + 1]
-    of_set = [float(np.log(p) - np.log(comb(competing, k))) for k, p in enumerate(counts)]
+    counts = settings.priors.of_counts(competing)
+    of_set = [settings.priors.log_of_set(k, competing) for k in range(competing + 1)]
     mean = sum(k * p for k, p in enumerate(counts)) / sum(counts)
     return of_set, mean / max(competing, 1)

@@ -123,7 +123,7 @@ def _request(text: str) -> Request:
     plain = json.loads(text)
     base = plain.pop("base")
     base = from_plain(base, "the base") if isinstance(base, dict) else base
-    return Request.of(base, plain.pop("seed"), plain.pop("settings"), can_vary=None, **plain)
+    return Request.of(base, plain.pop("seed"), plain.pop("settings"), **plain)
 
 
 def _written(

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from echocal.diagnose import Diagnosis
 from echocal.diagnose.findings.sentences import shown
 from echocal.diagnose.results.explain import class_texts
-from echocal.diagnose.results.followed import (
+from echocal.panels import (
     ERROR,
     SIGN,
     binned,

@@ -7,8 +7,6 @@ from rich.text import Text
 
 from echocal.diagnose.pooling.explain import (
     lead,
-    pooled_probability,
-    recurrence,
     sentence,
     short_sizes,
     sizes_text,
@@ -16,6 +14,7 @@ from echocal.diagnose.pooling.explain import (
 )
 from echocal.diagnose.pooling.parts import InTable, PooledCause
 from echocal.diagnose.pooling.result import PooledDiagnosis
+from echocal.diagnose.results.explain import probability_text
 from echocal.report.diagnosis import STYLE
 
 __all__ = ["print_pooled"]
@@ -54,9 +53,9 @@ def print_pooled(pooled: PooledDiagnosis, console: Console) -> None:
 
 def _cause(cause: PooledCause) -> RenderableType:
     lines: list[RenderableType] = [
-        Text.assemble((cause.id, "bold"), f"  {sizes_text(cause)}  ", (pooled_probability(cause), "green")),
+        Text.assemble((cause.id, "bold"), f"  {sizes_text(cause)}  ", (probability_text(cause), "green")),
         Text(f"  {sentence(cause)}"),
-        Text(f"  {recurrence(cause)}", style="italic"),
+        Text(f"  {cause.because}", style="italic"),
     ]
     if cause.doubt:
         lines.append(Text(f"  doubt: {cause.doubt}", style="yellow"))
@@ -81,7 +80,7 @@ def _cause(cause: PooledCause) -> RenderableType:
 
 
 def _row(one: InTable) -> tuple[str, str, str]:
-    if one.role in {"not tested", "doubts"}:
+    if one.role == "not tested":
         return one.role, one.why, ""
     return f"{one.log_bayes:+.1f}", short_sizes(one.parameters), short_sizes(one.drawn)
 

@@ -3,7 +3,7 @@
 from dataclasses import dataclass, fields
 from typing import Any
 
-from echocal.diagnose.settings.threshold import number
+from echocal.diagnose.settings.threshold import threshold
 from echocal.errors import UsageError
 
 __all__ = ["WatchSettings"]
@@ -20,73 +20,69 @@ class WatchSettings:
     500
     """
 
-    false_alarms: float = number(
-        0.1, "1/(sensor year)", "false alarms that the threshold is made for", "chosen by hand"
+    false_alarms: float = threshold(
+        0.1, "1/(sensor year)", "false alarms that the threshold is made for; chosen by hand"
     )
-    certainty: float = number(
+    certainty: float = threshold(
         0.9,
         "1",
-        "probability that the rate of false alarms is not higher, for the noise is known from rows only",
+        "probability that the rate of false alarms is not higher, for the noise is known from rows only; "
         "usual for a guaranteed rate (Gandy & Kvaloy 2013)",
     )
-    learn: int = number(
+    learn: int = threshold(
         500,
         "rows",
-        "with residual that the level, the sizes before a change and the noise are learned from",
-        "argument: the noise is then known to 3 %, which raises the threshold by 4 %",
+        "with residual that the level, the sizes before a change and the noise are learned from; argument: "
+        "the noise is then known to 3 %, which raises the threshold by 4 %",
     )
-    level: float = number(
-        5.0,
-        "m",
-        "standard deviation of the prior of the level",
-        "argument: the range of the sensors, so flat",
+    level: float = threshold(
+        5.0, "m", "standard deviation of the prior of the level; argument: the range of the sensors, so flat"
     )
-    clip: float = number(
+    clip: float = threshold(
         3.0,
         "noise sd",
-        "a row's residual counts at most this much",
-        "argument: one outlier adds at most 4.5 to a log likelihood ratio that needs about 15 (Huber 1964)",
+        "a row's residual counts at most this much; argument: one outlier adds at most 4.5 to a log "
+        "likelihood ratio that needs about 15 (Huber 1964)",
     )
-    onsets: int = number(
+    onsets: int = threshold(
         8,
         "1",
-        "onsets that are tried are at most 1/8 of their age apart",
-        "argument: an onset that is wrong by 1/16 of its age loses at most 1/16 of the information",
+        "onsets that are tried are at most 1/8 of their age apart; argument: an onset that is wrong by 1/16 "
+        "of its age loses at most 1/16 of the information",
     )
-    longest: int = number(
-        16384, "rows", "greatest age of an onset that is tried", "chosen by hand: it bounds the memory"
+    longest: int = threshold(
+        16384, "rows", "greatest age of an onset that is tried; chosen by hand: it bounds the memory"
     )
-    alias: float = number(
+    alias: float = threshold(
         0.995,
         "correlation",
-        "causes with signatures so alike share one test",
-        "argument: the test of one then loses at most 1 % of the information about the other",
+        "causes with signatures so alike share one test; argument: the test of one then loses at most 1 % "
+        "of the information about the other",
     )
-    autocorrelations: tuple[float, ...] = number(
+    autocorrelations: tuple[float, ...] = threshold(
         (0.2, 0.4, 0.6, 0.7, 0.8, 0.85, 0.9, 0.925, 0.95, 0.965, 0.98, 0.99, 0.995),
         "1",
-        "autocorrelations that the noise may have",
-        "as the diagnosis, with steps between",
+        "autocorrelations that the noise may have; as the diagnosis, with steps between",
     )
-    moving: tuple[float, ...] = number(
+    moving: tuple[float, ...] = threshold(
         (0.0, 0.3, 0.5, 0.7, 0.8, 0.9, 0.95),
         "1",
-        "white parts of the noise that are tried, where they are below the autocorrelation",
-        "as the diagnosis, with steps between",
+        "white parts of the noise that are tried, where they are below the autocorrelation; as the "
+        "diagnosis, with steps between",
     )
-    white: float = number(0.5, "1", "prior probability of white noise", "as the diagnosis")
-    interval: float = number(0.95, "1", "probability of the interval of an onset", "convention")
-    gap: float = number(5.0, "usual intervals", "a longer wait begins a new series", "as the diagnosis")
-    confirm: int = number(
+    white: float = threshold(0.5, "1", "prior probability of white noise; as the diagnosis")
+    interval: float = threshold(0.95, "1", "probability of the interval of an onset; convention")
+    gap: float = threshold(5.0, "usual intervals", "a longer wait begins a new series; as the diagnosis")
+    confirm: int = threshold(
         3,
         "rows",
-        "that go on from a leap of the clock before it is believed",
-        "chosen by hand: two wrong times in a row are rare, and a pause delays a test by two rows",
+        "that go on from a leap of the clock before it is believed; chosen by hand: two wrong times in a "
+        "row are rare, and a pause delays a test by two rows",
     )
-    fewest: int = number(
-        40, "rows", "after the onset before the diagnosis runs", "chosen by hand: the diagnosis needs ten"
+    fewest: int = threshold(
+        40, "rows", "after the onset before the diagnosis runs; chosen by hand: the diagnosis needs ten"
     )
-    kept: int = number(1000, "rows", "that are kept of each sensor, for the diagnosis", "chosen by hand")
+    kept: int = threshold(1000, "rows", "that are kept of each sensor, for the diagnosis; chosen by hand")
 
     def __post_init__(self) -> None:
         if not self.false_alarms > 0.0:

@@ -88,7 +88,6 @@ class Columns:
             The effect and its parameter.
         at : mapping of str to float
             Parameters at which it is taken.
-        scale : float
         at_work : bool
             Whether the effect acts at these parameters.
         levels : ndarray, optional
@@ -104,7 +103,6 @@ class Columns:
         Parameters
         ----------
         column : ndarray, shape (n,)
-        low, high : float
         scales : sequence of float
             Factor of each degree.
         first : int, default: 1
@@ -118,7 +116,6 @@ class Columns:
         Parameters
         ----------
         column : ndarray, shape (n,)
-        period : float
         scales : sequence of float
             Factor of each multiple, from the first on.
         """

@@ -19,6 +19,7 @@ __all__ = ["effect_candidates"]
 
 Column = NDArray[np.float64]
 
+_HALF_DAY = 43_200.0  # s: a shorter part of the arc of the sun looks like a drift or an offset
 _HALF_STEP = 0.05  # of a prior standard deviation: half the difference that stands for a derivative
 
 
@@ -71,7 +72,7 @@ def _why_not(effect: Effect, scene: Scene) -> str:
         return f"not recorded: {', '.join(missing)}"
     if superseded:
         return f"recorded: {', '.join(superseded)}"
-    if "hour_angle" in effect.requires and _span(recorded) < scene.settings.search.shortest_day:
+    if "hour_angle" in effect.requires and _span(recorded) < _HALF_DAY:
         return "the rows do not span half a day"
     if assumed:
         return f"assumed by the base: {', '.join(assumed)}"
@@ -93,12 +94,12 @@ def _why_no_arithmetic(effect: Effect, scene: Scene) -> str:
     """
     if effect.stage != "firmware" or (effect.id == "fixed_speed" and scene.base.device_speed is not None):
         return ""
-    if scene.echoes:
+    if scene.table.echoes:
         return "echo times were recorded"
-    other = read_from_thermometers(effect) and not _is_number(scene.stated_speed)
+    other = read_from_thermometers(effect) and not _is_number(scene.table.stated_speed)
     own = other or effect.id == "double_correction"
-    if scene.stated_speed and not own:
-        return f"readings were made with the stated speed {scene.stated_speed}"
+    if scene.table.stated_speed and not own:
+        return f"readings were made with the stated speed {scene.table.stated_speed}"
     return ""
 
 

@@ -1,19 +1,22 @@
 """Onsets of an effect along a column, with a finer grid where the effect explains most."""
 
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.diagnose.candidates.onset_search import OnsetSearch, PrefixSumSearch
+from echocal.diagnose.candidates.onset_search import OnsetSearch
 from echocal.diagnose.candidates.scene import Scene
-from echocal.diagnose.settings import SearchSettings
 from echocal.registry import Effect, Parameter
 
 __all__ = ["places"]
 
 Column = NDArray[np.float64]
+
+_RESOLUTION = 0.5  # rows: these show no more
+_ENDS = 5  # rows at either end without an onset: it would be an outlier
+_BEFORE = 1 / 8  # of the distances, before an onset along the distance
+_FEWEST_BEFORE = 2  # of them: with a single one, any offset would be an onset
 
 
 def places(
@@ -29,18 +32,15 @@ def places(
     assert along is not None
     column = scene.distance if along == "distance" else scene.conditions[along]
     ascending = column if (column[1:] >= column[:-1]).all() else np.sort(column)
-    search = scene.settings.search
-    inner = ascending[: search.onset_ends][-1], ascending[-search.onset_ends :][0]
-    reach = _reach(ascending, parameter, search) if along == "distance" else inner
-    given: dict[str, Any] = {
-        "effect": effect,
-        "parameters": {**{p.name: p.neutral for p in effect.parameters}, **at},
-        "place": parameter.name,
-        "scene": scene,
-        "of": [scene.residual] if along == "distance" else [scene.leftover, scene.residual],
-    }
-    divides = parameter.divides == along and scene.groups is None
-    onset = PrefixSumSearch(**given, column=column, first=reach[0]) if divides else OnsetSearch(**given)
+    inner = ascending[:_ENDS][-1], ascending[-_ENDS:][0]
+    reach = _reach(ascending, parameter) if along == "distance" else inner
+    onset = OnsetSearch(
+        effect=effect,
+        parameters={**{p.name: p.neutral for p in effect.parameters}, **at},
+        place=parameter.name,
+        scene=scene,
+        of=[scene.residual] if along == "distance" else [scene.leftover, scene.residual],
+    )
     found: set[float] = set()
     for of in range(len(onset.of)):
         found |= _refined(onset, of, parameter, ascending, reach)
@@ -55,12 +55,11 @@ def _refined(
     def explained(tried: Sequence[float]) -> dict[float, float]:
         values = dict(zip(tried, _quantiles(ascending, tried), strict=True))
         shown = {q: value for q, value in values.items() if reach[0] <= value <= reach[1]}
-        onset.at(list(shown.values()))
-        return {q: onset.squares(value, of) for q, value in shown.items()}
+        return dict(zip(shown, onset.squares(list(shown.values()), of), strict=True))
 
     scores = explained(parameter.tried)
     step = float(np.diff(parameter.tried).min()) / 2
-    while scores and step * len(ascending) > onset.scene.settings.search.onset_resolution:
+    while scores and step * len(ascending) > _RESOLUTION:
         best = max(scores, key=lambda q: scores[q])
         scores |= explained((best - step, best + step))
         step /= 2
@@ -83,10 +82,10 @@ def _quantiles(ascending: Column, parts: Sequence[float]) -> list[float]:
     return [float(value) for value in low + (high - low) * (at - before)]
 
 
-def _reach(ascending: Column, parameter: Parameter, search: SearchSettings) -> tuple[float, float]:
+def _reach(ascending: Column, parameter: Parameter) -> tuple[float, float]:
     """First and last distance at which an effect may begin; an earlier one would be an offset."""
     distinct = ascending[np.append(True, ascending[1:] > ascending[:-1])]
-    before = max(search.fewest_distances_before, int(np.ceil(search.distances_before * len(distinct))))
+    before = max(_FEWEST_BEFORE, int(np.ceil(_BEFORE * len(distinct))))
     if len(distinct) <= before:
         return np.inf, -np.inf
     return max(parameter.bounds[0], float(distinct[before - 1])), float(distinct[-2])

@@ -1,7 +1,7 @@
 """The table as candidates are evaluated on it."""
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from echocal.diagnose.candidates.columns import Columns
 from echocal.diagnose.preprocess.base import Base
+from echocal.diagnose.preprocess.table import Table
 from echocal.diagnose.settings import Settings
-from echocal.model import Model
 
 __all__ = ["Scene"]
 
@@ -25,37 +25,29 @@ class Scene:
 
     Attributes
     ----------
-    base : Base
-        The base simulation.
-    distance : ndarray, shape (n,)
-        Reference distance, or the level of each row's segment [m].
-    conditions : mapping of str to ndarray
-        Recorded influence quantities.
-    relevel : callable
-        ``relevel(model)`` is the distance of every row by that model [m].
-    groups : ndarray of int, shape (n,), or None
-        Segment of each row if the level is unknown; None if the distance is known.
     residual : ndarray, shape (n,)
         Reading less what the base simulation predicts [m].
-    settings : Settings
-    echoes : bool
-        Whether the readings come from recorded echo times.
-    stated_speed : str
-        Speed of the device that the user states; empty where it is that of the base.
-    thermometers : mapping of str to ndarray
-        Further thermometers [degC], by the names of their columns.
     """
 
+    table: Table
     base: Base
-    distance: Column
-    conditions: Mapping[str, Column]
-    relevel: Callable[[Model], Column]
-    groups: NDArray[np.int64] | None
     residual: Column
     settings: Settings
-    echoes: bool = False
-    stated_speed: str = ""
-    thermometers: Mapping[str, Column] = field(default_factory=dict)
+
+    @cached_property
+    def distance(self) -> Column:
+        """Reference distance, or the level of each row's segment [m]."""
+        return self.table.distance(self.base.model())
+
+    @property
+    def conditions(self) -> Mapping[str, Column]:
+        """Recorded influence quantities."""
+        return self.table.conditions
+
+    @property
+    def groups(self) -> NDArray[np.int64] | None:
+        """Segment of each row if the level is unknown; None if the distance is known."""
+        return None if self.table.reference is not None else self.table.groups
 
     @cached_property
     def leftover(self) -> Column:
@@ -94,11 +86,12 @@ class Scene:
 
     def bound(self, quantity: str, thermometer: str) -> "Scene":
         """The same, with a quantity read from a further thermometer."""
-        return replace(self, conditions={**self.conditions, quantity: self.thermometers[thermometer]})
+        conditions = {**self.conditions, quantity: self.table.thermometers[thermometer]}
+        return replace(self, table=replace(self.table, conditions=conditions))
 
     def levels(self, id_: str, at: Mapping[str, float]) -> Column | None:
         """Level of each segment with an effect [m]; None if the distance is known."""
         if self.groups is None:
             return None
         firsts = np.unique(self.groups, return_index=True)[1]
-        return self.relevel(self.base.model({id_: at}))[firsts]
+        return self.table.distance(self.base.model({id_: at}))[firsts]

@@ -12,15 +12,12 @@ __all__ = ["slow_air_columns"]
 Column = NDArray[np.float64]
 
 _TIMES = 200  # at which the covariance is taken
+_MOST = 8  # functions of time that the difference is made of
+_LEAST = 0.02  # of its variance, that such a function has
 
 
 def slow_air_columns(found: Candidates, scene: Scene) -> tuple[int, ...]:
     """Add what warmer air along the path does to the readings, as functions of time: docs/method.md, Eq. 5a.
-
-    Parameters
-    ----------
-    found : Candidates
-    scene : Scene
 
     Returns
     -------
@@ -49,7 +46,5 @@ def _parts(time: Column, settings: NoiseModelSettings) -> list[Column]:
     alike = np.mean([np.exp(-apart / lasting) for lasting in settings.slow_air_times], axis=0)
     covariance = centered @ alike @ centered
     shares, vectors = np.linalg.eigh(covariance / len(taken))
-    wanted = [
-        k for k in np.argsort(-shares)[: settings.slow_air_parts] if shares[k] >= settings.slow_air_least
-    ]
+    wanted = [k for k in np.argsort(-shares)[:_MOST] if shares[k] >= _LEAST]
     return [np.interp(time, taken, np.sqrt(shares[k] * len(taken)) * vectors[:, k]) for k in wanted]

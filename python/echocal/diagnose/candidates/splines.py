@@ -7,10 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import BSpline
 
-from echocal.diagnose.candidates.unexplained_terms import column_of
+from echocal.diagnose.candidates.unexplained_terms import VALUES_PER_DEGREE, column_of
 from echocal.diagnose.preprocess.table import Table
 from echocal.diagnose.settings.priors import TermSettings
-from echocal.diagnose.settings.smooth import SmoothSettings
 from echocal.model.shape import DISTANCE
 from echocal.observations.quantiles import quantiles, spread
 from echocal.quantities import BY_COLUMN
@@ -23,7 +22,10 @@ HOUR_ANGLE = "hour_angle"
 """Quantity of the local clock, which later readings have, too."""
 
 _DEGREE = 3
+_PIECES = 10  # over the range of a column; the penalty decides how smooth it is
 _FEWEST_PIECES = 3
+_ENOUGH = 50_000  # rows that show how many distinct values there are
+_LONGEST_GAP = 1.5  # h without rows, with which a column of hours has no smooth function of the day
 _NOT_LATER = frozenset({"row", "time"})
 """Columns that no later reading shares."""
 
@@ -38,7 +40,6 @@ class Spline:
         ``"distance"``, an influence quantity, or a further column.
     low, high : float
         Range of the column, in its unit.
-    pieces : int
     periodic : bool
         Whether both ends are one place, as midnight is.
     """
@@ -72,44 +73,39 @@ class Spline:
         return np.asarray(second.T @ second)
 
 
-def splines(
-    table: Table, tried: Mapping[str, object], terms: TermSettings, settings: SmoothSettings
-) -> tuple[Spline, ...]:
+def splines(table: Table, tried: Mapping[str, object], terms: TermSettings) -> tuple[Spline, ...]:
     """Splines against the columns that unexplained terms are tried for and that later readings have.
 
     Parameters
     ----------
-    table : Table
     tried : mapping
         Names of columns of unexplained terms, as people read them.
-    terms : TermSettings
-    settings : SmoothSettings
     """
     found = []
     for name in tried:
         if name in _NOT_LATER:
             continue
         if name == "hour of day":
-            found += _of_the_day(table, settings)
+            found += _of_the_day(table)
             continue
         column = column_of(name, table.against())
         low, high = quantiles(spread(column), terms.range)
-        distinct = len(np.unique(column[: settings.most_rows]))
-        pieces = min(settings.pieces, distinct // terms.values_per_degree)
+        distinct = len(np.unique(column[:_ENOUGH]))
+        pieces = min(_PIECES, distinct // VALUES_PER_DEGREE)
         if high > low and pieces >= _FEWEST_PIECES:
             found.append(Spline(name if name == DISTANCE else _quantity(name), low, high, pieces))
     return tuple(found)
 
 
-def _of_the_day(table: Table, settings: SmoothSettings) -> list[Spline]:
+def _of_the_day(table: Table) -> list[Spline]:
     """A periodic spline of the local clock, if rows are at all hours."""
     if HOUR_ANGLE not in table.conditions:
         return []
     angles = np.unique(table.conditions[HOUR_ANGLE])
     gap = np.diff(np.append(angles, angles[0] + 2 * np.pi)).max() if len(angles) else np.inf
-    if not gap <= settings.longest_gap * np.pi / 12:
+    if not gap <= _LONGEST_GAP * np.pi / 12:
         return []
-    return [Spline(HOUR_ANGLE, -np.pi, np.pi, settings.pieces, periodic=True)]
+    return [Spline(HOUR_ANGLE, -np.pi, np.pi, _PIECES, periodic=True)]
 
 
 def _quantity(name: str) -> str:

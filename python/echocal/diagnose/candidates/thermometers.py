@@ -12,6 +12,8 @@ from echocal.registry import Effect
 
 __all__ = ["bound_forms", "no_thermometer", "read_from_thermometers"]
 
+_MOST = 8  # thermometers that are tried: each takes two columns of the sums
+
 
 def read_from_thermometers(effect: Effect) -> str:
     """Quantity that an effect reads from a further thermometer; empty where it reads none."""
@@ -20,7 +22,7 @@ def read_from_thermometers(effect: Effect) -> str:
 
 def no_thermometer(scene: Scene) -> str:
     """Why no further thermometer of a table can be read; empty where one can."""
-    if not scene.thermometers:
+    if not scene.table.thermometers:
         return "not recorded: a further thermometer"
     if _complete(scene):
         return ""
@@ -43,16 +45,14 @@ def bound_forms(
     ----------
     found : Candidates
         Extended in place.
-    effect : Effect
     quantity : str
         What it reads from a further thermometer.
-    scene : Scene
     forms : callable
         Makes the forms for a table that has the quantity.
     """
     variants = []
     chosen = _chosen(scene)
-    for name, column in scene.thermometers.items():
+    for name, column in scene.table.thermometers.items():
         if rows := int(np.isnan(column).sum()):
             found.unread[name] = f"no value in {rows} of {len(column)} rows"
         elif name not in chosen:
@@ -69,20 +69,19 @@ def bound_forms(
 def _chosen(scene: Scene) -> list[str]:
     """Thermometers that are tried: all, or those whose difference from the first correlates best."""
     able = _complete(scene)
-    most = scene.settings.search.most_thermometers
-    if len(able) <= most:
+    if len(able) <= _MOST:
         return able
     left = scene.leftover - scene.leftover.mean()
 
     def alike(name: str) -> float:
-        apart = scene.thermometers[name] - scene.conditions["temperature"]
+        apart = scene.table.thermometers[name] - scene.conditions["temperature"]
         apart = apart - apart.mean()
         size = float(apart @ apart)
         return float(left @ apart) ** 2 / size if size > 0.0 else 0.0
 
-    return sorted(able, key=alike, reverse=True)[:most]
+    return sorted(able, key=alike, reverse=True)[:_MOST]
 
 
 def _complete(scene: Scene) -> list[str]:
     """Thermometers that have a value in every row."""
-    return [name for name, column in scene.thermometers.items() if np.isfinite(column).all()]
+    return [name for name, column in scene.table.thermometers.items() if np.isfinite(column).all()]

@@ -22,6 +22,13 @@ HOUR = "hour of day"
 _LINEAR = ("echo_quality",)
 """Columns of which a cause with the same name is a linear function: a term is what is left of them."""
 
+VALUES_PER_DEGREE = 2
+"""Distinct values for each degree: with fewer, a term would fit an error of each value."""
+
+_FEWEST_VALUES = 6  # distinct ones: with fewer, there is no term, or a line if it is no known quantity
+_ROWS_OF_A_VALUE = 8  # that have the least, and the largest, value of a column of few values
+_HARMONICS = 2  # of the day
+_FEWEST_DAYS = 2.0  # that a table with a term against the hour of the day spans
 _DAY = 86400.0  # s
 _MOST, _ROWS_EACH = 64, 4  # basis functions of all known quantities together; rows for each of them
 
@@ -32,10 +39,8 @@ class Basis:
 
     Attributes
     ----------
-    against : str
     low, high : float
         Range of the functions: nearly all values of the column.
-    settings : TermSettings
     """
 
     against: str
@@ -65,7 +70,7 @@ def _scales(settings: TermSettings) -> list[float]:
 
 def _harmonics(settings: TermSettings) -> list[float]:
     """Prior standard deviation of each harmonic [m]."""
-    return [settings.size / multiple for multiple in range(1, settings.harmonics + 1)]
+    return [settings.size / multiple for multiple in range(1, _HARMONICS + 1)]
 
 
 def column_of(name: str, against: Mapping[str, Column]) -> Column:
@@ -106,7 +111,6 @@ def term_candidates(
     against : mapping of str to ndarray, shape (n,)
         Columns by their names for people. ``"time"`` in seconds also gives the hour of the day, if
         it spans more than two days.
-    settings : TermSettings
     known_distance : bool
         Whether the distance of every row is known. An unknown level includes the mean.
     further : collection of str
@@ -131,7 +135,7 @@ def term_candidates(
     if line:
         found.line = replace(_term(line, ""), scales=(settings.size,) * len(line))
     elapsed = against.get("time")
-    if elapsed is not None and np.isfinite(elapsed).all() and np.ptp(elapsed) > settings.fewest_days * _DAY:
+    if elapsed is not None and np.isfinite(elapsed).all() and np.ptp(elapsed) > _FEWEST_DAYS * _DAY:
         waves = found.columns.waves(elapsed, _DAY, _harmonics(settings))
         found.variants.append(_term(waves, HOUR))
 
@@ -142,17 +146,17 @@ def degrees_of(column: Column, settings: TermSettings, *, further: bool = False)
     A `further` column is no known quantity. With few values it is a switch or a version, and has a line.
     """
     most = max(settings.degrees)
-    enough = most * settings.values_per_degree
+    enough = most * VALUES_PER_DEGREE
     values = _distinct(column, enough) if np.isfinite(column).all() else 0
-    if values >= settings.fewest_values:
-        return min(most, values // settings.values_per_degree)
+    if values >= _FEWEST_VALUES:
+        return min(most, values // VALUES_PER_DEGREE)
     return int(further and values > 1 and _switches(column, settings))
 
 
 def _switches(column: Column, settings: TermSettings) -> bool:
     """Whether the ends of a column with few values are of several rows each."""
     low, high = quantiles(spread(column), settings.range)
-    return low < high and min(np.sum(column == low), np.sum(column == high)) >= settings.rows_of_a_value
+    return low < high and min(np.sum(column == low), np.sum(column == high)) >= _ROWS_OF_A_VALUE
 
 
 def _distinct(column: Column, enough: int) -> int:

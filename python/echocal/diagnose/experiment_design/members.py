@@ -1,7 +1,6 @@
 """The possible sets of causes, each with its model."""
 
 from collections.abc import Iterable, Mapping, Sequence, Set
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +10,7 @@ from echocal.diagnose.experiment_design.average import Member
 from echocal.diagnose.inference.case import Case
 from echocal.diagnose.inference.hypothesis import Hypothesis, HypothesisFit, Stack, fit_hypothesis
 from echocal.diagnose.inference.posterior import preferred
-from echocal.diagnose.selection.claims import Claim, Ranking, columns_of, covariance_of, effects_of, without
+from echocal.diagnose.selection.claims import Claim, Ranking, extended, without
 from echocal.diagnose.validation.gain import errors
 from echocal.diagnose.validation.validate import Validation
 from echocal.model import Model
@@ -46,10 +45,7 @@ def members(
     forms: dict[Ids, list[HypothesisFit]] = {}
     for fit in ranking.fits:
         forms.setdefault(_named(fit.hypothesis.causes, left_out), []).append(fit)
-    best = {
-        named: _best(forms[named], left_out, stack, case.settings.search.form_preference)
-        for named in _chosen(shares, claimed)
-    }
+    best = {named: _best(forms[named], left_out, stack) for named in _chosen(shares, claimed)}
     models = _models(case, best, stack, doubtful=bool(refuted))
     weights = np.array([max(shares.get(named, 0.0), _LEAST) for named in models])
     return tuple(
@@ -86,9 +82,9 @@ def _mimics(best: Ids, claimed: Sequence[Claim]) -> list[Ids]:
     ]
 
 
-def _best(same: Sequence[HypothesisFit], left_out: Set[str], stack: Stack, undecided: float) -> HypothesisFit:
+def _best(same: Sequence[HypothesisFit], left_out: Set[str], stack: Stack) -> HypothesisFit:
     """The best hypothesis of a set; fitted again if it contains causes that are left out."""
-    best = preferred([w for w in same if w.hypothesis.causes == same[0].hypothesis.causes], undecided)
+    best = preferred([w for w in same if w.hypothesis.causes == same[0].hypothesis.causes])
     hypothesis = best.hypothesis
     for cause in left_out - {UNKNOWN}:
         hypothesis = without(hypothesis, cause)
@@ -107,26 +103,18 @@ def _models(
     models: dict[Ids, Model] = {}
     base: float | None = None
     for named, fit in best.items():
-        model, has_term = _model(case, fit), UNKNOWN in fit.hypothesis.causes
+        model, has_term = extended(case.base_in_air, fit), UNKNOWN in fit.hypothesis.causes
         if has_term or doubtful:
             base = _mean_square(case, case.base.plain) if base is None else base
             if has_term and _mean_square(case, model) > base:
-                model = _model(case, fit_hypothesis(without(fit.hypothesis, UNKNOWN), stack))
+                model = extended(case.base_in_air, fit_hypothesis(without(fit.hypothesis, UNKNOWN), stack))
             if _mean_square(case, model) > base:
                 continue
         models[named] = model
-    return models or {(): _model(case, fit_hypothesis(Hypothesis((), 1.0), stack))}
+    return models or {(): extended(case.base_in_air, fit_hypothesis(Hypothesis((), 1.0), stack))}
 
 
 def _mean_square(case: Case, model: Model) -> float:
     """Mean square error of the rows that are not held out [m^2]."""
     fit: NDArray[np.bool_] = case.folds.fit[case.folds.blocks]
     return float(np.nanmean(errors(case.table, model, fit)[fit] ** 2))
-
-
-def _model(case: Case, fit: HypothesisFit) -> Model:
-    base = replace(case.base, air={**case.base.air, **case.table.air()})
-    effects = effects_of(fit)
-    names: tuple[str, ...] = base.model(effects).parameter_names
-    covariance: NDArray[np.float64] | None = covariance_of(fit, names) if names else None
-    return base.model(effects, covariance=covariance, columns=columns_of(fit))

@@ -1,16 +1,15 @@
 """What to measure next: conditions under which causes that these data cannot separate differ."""
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from echocal.diagnose.catalogue import find_cause
 from echocal.diagnose.experiment_design.average import Member
-from echocal.diagnose.experiment_design.design import Plan, best_plan
+from echocal.diagnose.experiment_design.design import Plan, planned
 from echocal.diagnose.experiment_design.prospect import Prospect
-from echocal.diagnose.experiment_design.ranges import Ranges, corners_and_middle, grid
+from echocal.diagnose.experiment_design.ranges import Ranges, corners_and_middle
 from echocal.diagnose.findings.parts import NextMeasurement
 from echocal.diagnose.inference.case import Case
 from echocal.diagnose.selection.select import Selection
@@ -45,16 +44,16 @@ def propose(
     noise, variance = selection.noise, selection.best.variance
     ranges = _ranges(case, can_vary)
     stations = _stations(case)
-    varied = grid(ranges, {"distance": stations})
+    varied = corners_and_middle(ranges)
     conditions = _conditions(case, varied, members)
     known = case.table.reference is not None or "distance" in ranges
-    base = replace(case.base, air={**case.base.air, **case.table.air()}).model()
+    base = case.base_in_air.model()
     prospect = Prospect.of(members, base, conditions, noise, variance, known, stations)
     if not np.isfinite(prospect.shift).all() or not np.isfinite(prospect.spread).all():
         return _sides(members, (tuple(range(len(members))),), claimed)
     probability = np.array([member.posterior for member in members])
     same = prospect.aliases([len(member.ids) for member in members])
-    plan = best_plan(prospect, probability, same, _ROWS, case.seed, corners_and_middle(varied))
+    plan = planned(prospect, probability, same, _ROWS, case.seed)
     rows = () if plan.expected < plan.now + _WORTH else (_rows(plan, varied, members),)
     return (*rows, *_sides(members, plan.classes, claimed))
 
@@ -94,14 +93,10 @@ def _conditions(case: Case, varied: Mapping[str, Column], members: Sequence[Memb
 
 
 def _rows(plan: Plan, varied: Mapping[str, Column], members: Sequence[Member]) -> NextMeasurement:
-    merged: dict[tuple[float, ...], int] = {}
-    for place, rows in zip(plan.places, plan.rows, strict=True):  # places that are equal when rounded
-        at = tuple(float(f"{column[place]:.3g}") for column in varied.values())
-        merged[at] = merged.get(at, 0) + int(rows)
-    where = {name: [at[i] for at in merged] for i, name in enumerate(varied)}
+    where = {name: [float(f"{value:.3g}") for value in column] for name, column in varied.items()}
     classes = plan.classes if len(plan.classes) > 1 else [[m] for m in plan.classes[0][:2]]
     separates = _differing([members[group[0]].ids for group in classes])
-    return NextMeasurement({**where, "rows": list(merged.values())}, separates, plan.expected, plan.now)
+    return NextMeasurement({**where, "rows": list(plan.rows)}, separates, plan.expected, plan.now)
 
 
 def _differing(sets: Sequence[tuple[str, ...]]) -> tuple[str, ...]:

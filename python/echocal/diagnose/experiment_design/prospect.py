@@ -32,7 +32,6 @@ class Prospect:
         Covariance of these readings from the uncertainty of the member's parameters [m^2].
     distance, slope : ndarray, shape (p,)
         Distance [m], and derivative of the reading with respect to it.
-    noise : Noise
     variance : float
         Of the innovations [m^2].
     level_known : bool

@@ -1,8 +1,7 @@
 """Names and ranges of the conditions that a user can vary for the next measurements."""
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
-from itertools import product
+from collections.abc import Mapping, Sequence
 from numbers import Real
 from typing import Any
 
@@ -13,13 +12,10 @@ from echocal.errors import UsageError
 from echocal.observations.units import FORMS
 from echocal.quantities import QUANTITIES
 
-__all__ = ["Ranges", "checked_ranges", "corners_and_middle", "grid", "parsed_ranges"]
+__all__ = ["Ranges", "checked_ranges", "corners_and_middle"]
 
 Ranges = Mapping[str, tuple[float, float]]
 Column = NDArray[np.float64]
-
-_POINTS = {1: 9, 2: 7, 3: 3}
-"""Levels of each condition, by the number of conditions; more than three have their ends only."""
 
 _PHYSICAL = {form.quantity: form.physical for form in FORMS}
 _PHYSICAL["distance"] = _PHYSICAL["reference_distance"]
@@ -31,36 +27,6 @@ _UNITS = {"distance": " m"} | {
     if quantity.derived_from is None
 }
 """Units of the conditions that a user can vary; derived conditions follow from them."""
-
-_PRESENT = 3  # most levels of the table that are tried in addition
-
-
-def parsed_ranges(texts: Iterable[str]) -> dict[str, tuple[float, float]]:
-    """Read several ranges, each of another condition."""
-    ranges: dict[str, tuple[float, float]] = {}
-    for text in texts:
-        name, ends = _parsed(text)
-        if name in ranges:
-            low, high = ranges[name]
-            message = (
-                f"--can-vary gives {name} twice: {low:g}:{high:g} and {ends[0]:g}:{ends[1]:g}; give one range"
-            )
-            raise UsageError(message)
-        ranges[name] = ends
-    return ranges
-
-
-def _parsed(text: str) -> tuple[str, tuple[float, float]]:
-    """Read ``distance=0.2:4``."""
-    name, equals, ends = text.partition("=")
-    low, colon, high = ends.partition(":")
-    try:
-        if equals and colon:
-            return name, (float(low), float(high))
-    except ValueError:
-        pass
-    message = f"--can-vary '{text}' is not a range such as distance=0.2:4"
-    raise UsageError(message)
 
 
 def checked_ranges(can_vary: Mapping[str, Sequence[float]], recorded: Sequence[str]) -> Ranges:
@@ -96,28 +62,17 @@ def _is_range(ends: Any) -> bool:
     return pair and all(math.isfinite(end) for end in ends) and ends[0] < ends[1]
 
 
-def grid(ranges: Ranges, present: Mapping[str, Column] | None = None) -> dict[str, Column]:
-    """Places that are tried: all combinations of a few levels, distances in equal ratios.
+def corners_and_middle(ranges: Ranges) -> dict[str, Column]:
+    """Places at the ends of all ranges, and in their middle; distances have equal ratios.
 
-    Levels of the table are tried, too, if they are few and within the range.
+    Of more than three conditions, a part of the corners: a fractional factorial design, in which each
+    condition is at each end equally often.
     """
-    count = _POINTS.get(len(ranges), 2)
-    levels = []
-    for name, (low, high) in ranges.items():
-        tried = np.geomspace(low, high, count) if name == "distance" else np.linspace(low, high, count)
-        there = (present or {}).get(name, tried[:0])
-        there = there[(there >= low) & (there <= high)]
-        levels.append(np.union1d(tried, there) if len(there) <= _PRESENT else tried)
-    points = np.array(list(product(*levels)))
-    return {name: points[:, i] for i, name in enumerate(ranges)}
-
-
-def corners_and_middle(places: Mapping[str, Column]) -> NDArray[np.int64]:
-    """Places at which every condition is at an end of its range, and the place nearest to the middle."""
-    ends, off = [], np.zeros(len(next(iter(places.values()))))
-    for name, column in places.items():
-        value = np.log(column) if name == "distance" else column
-        low, high = value.min(), value.max()
-        ends.append((value == low) | (value == high))
-        off += ((value - low) / (high - low) - 0.5) ** 2
-    return np.append(np.flatnonzero(np.all(ends, axis=0)), off.argmin())
+    bits = max(min(len(ranges), 3), len(ranges).bit_length())
+    masks = sorted(range(1, 2**bits), key=lambda mask: (mask.bit_count() > 1, -mask.bit_count(), -mask))
+    columns = {}
+    for (name, (low, high)), mask in zip(ranges.items(), masks, strict=False):
+        ends = [(low, high)[(corner & mask).bit_count() % 2] for corner in range(2**bits)]
+        middle = math.sqrt(low * high) if name == "distance" else 0.5 * (low + high)
+        columns[name] = np.array([*ends, middle])
+    return columns

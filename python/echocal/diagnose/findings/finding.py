@@ -31,12 +31,10 @@ class Finding:
 
     Attributes
     ----------
-    facts : CauseFacts
     log_bayes : float
         Log Bayes factor against "no fault".
     because : str
         A sentence with rows and values that a user can check.
-    parameters : tuple of Parameter
     rows : ndarray of bool, shape (n,), or None
         Rows of the source concerned.
     repaired : Observations or None

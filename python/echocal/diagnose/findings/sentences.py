@@ -139,7 +139,6 @@ def tendency(left: Column, signal: Column, against: Recorded) -> str:
         Reading less base less every other cause [m].
     signal : ndarray, shape (n,)
         What the cause adds [m].
-    against : Recorded
     """
     name = most_correlated(signal, against)
     mean = abs(float(np.mean(signal)))

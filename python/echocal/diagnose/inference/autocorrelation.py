@@ -12,9 +12,14 @@ from echocal.diagnose.inference.noise import VARIANCE_FLOOR, WHITE, Noise, Noise
 from echocal.diagnose.inference.sums import Sums
 from echocal.diagnose.preprocess.order import Order
 from echocal.diagnose.settings.noise_models import NoiseModelSettings
+from echocal.diagnose.settings.priors import WIDEST
 
 __all__ = ["at_first", "that_may_be_there"]
 
+LONG = 20_000
+"""Rows of a longer table, in which impossible noises are excluded first."""
+
+_PRUNED = 300.0  # log likelihood behind the best, beside all columns at once: few columns cannot make it up
 _SEGMENTS, _SEGMENT = 5, 20_000  # rows that are used
 
 
@@ -23,7 +28,7 @@ def at_first(order: Order, settings: NoiseModelSettings) -> Sequence[NoiseCorrel
 
     Where no row follows another, there is no autocorrelation.
     """
-    nothing = len(order.starts) > settings.long_table or order.starts.all()
+    nothing = len(order.starts) > LONG or order.starts.all()
     return (WHITE,) if nothing else tuple(theta for theta, _ in settings.autoregressions)
 
 
@@ -54,7 +59,7 @@ def that_may_be_there(
     if sums.order.starts.all():
         return []
     products, order = sums.whiten(Noise(0.0, 0.0, 0.0, 1.0)).products, sums.order
-    sizes = _core.ridge_coefficients(products, sums.degrees(), VARIANCE_FLOOR**2, settings.ridge_width)
+    sizes = _core.ridge_coefficients(products, sums.degrees(), VARIANCE_FLOOR**2, WIDEST)
     used = np.flatnonzero(sizes)
     left = residual - columns.combined((1 + used).tolist(), sizes[used])
     rows = _sample(len(left))
@@ -63,7 +68,7 @@ def that_may_be_there(
         theta: max(log_likelihood(left, order, Noise(theta, rho, 0.0, 1.0)) for rho in rhos if rho)
         for theta, rhos in settings.autoregressions
     }
-    least = max(log_likelihood(left, order, Noise(0.0, 0.0, 0.0, 1.0)), *logs.values()) - settings.pruning
+    least = max(log_likelihood(left, order, Noise(0.0, 0.0, 0.0, 1.0)), *logs.values()) - _PRUNED
     return [theta for theta, log in logs.items() if log > least]
 
 

@@ -18,8 +18,11 @@ from echocal.diagnose.preprocess.base import Base
 from echocal.diagnose.preprocess.folds import Folds
 from echocal.diagnose.preprocess.table import Table
 from echocal.diagnose.settings import Settings
+from echocal.diagnose.settings.priors import WIDEST
 
 __all__ = ["Case"]
+
+_SPREAD = 0.1  # of the mean distance: closer distances do not show noise that grows with them
 
 
 @dataclass(frozen=True)
@@ -128,11 +131,15 @@ class Case:
         return bool(self.table.grouped_by)
 
     @property
+    def base_in_air(self) -> Base:
+        """The base with the medians of the recorded air, which a model assumes where none is given."""
+        return replace(self.base, air={**self.base.air, **self.table.air()})
+
+    @property
     def at_distances(self) -> bool:
         """Whether rows are at known distances that differ: noise may grow with them."""
         reference = self.table.reference
-        least = self.settings.noise_models.distance_spread
-        return reference is not None and float(np.ptp(reference)) > least * float(reference.mean())
+        return reference is not None and float(np.ptp(reference)) > _SPREAD * float(reference.mean())
 
     def left(self, fit: HypothesisFit, rows: NDArray[np.int64]) -> NDArray[np.float64]:
         """Residual of the base less what a hypothesis makes of it, at some rows [m]."""
@@ -166,7 +173,7 @@ class Case:
         each = list(dict.fromkeys(still))  # the same for each difference of the air
         at = np.array([each.index(noise) for noise in still])
         products, log_weight = self.sums.whiten_all(each, blocks)
-        variance = noise_variances(products, degrees, self.settings.noise_models.ridge_width)
+        variance = noise_variances(products, degrees, WIDEST)
         products, log_weight = products[at], log_weight[at] + np.log([noise.prior for noise in noises])
         slow = kelvin > 0.0
         variance = variance[at][slow] / kelvin[slow] ** 2  # the columns are of one kelvin
@@ -195,7 +202,7 @@ class Case:
         order, last = self.sums.order, len(own) + 1
         sums = Sums.gather(columns, order, self.folds.blocks, [noise.correlation])
         products, degrees = sums.whiten(noise, blocks).products, sums.degrees(blocks)
-        width = self.settings.noise_models.ridge_width
+        width = WIDEST
         (variance,) = noise_variances(products[None], degrees, width)
         among = products[1:last, 1:last] + variance / noise.slow_air**2 * np.eye(len(own))
         return np.asarray(np.linalg.solve(among, products[1:last, last]) @ parts)

@@ -24,6 +24,8 @@ __all__ = ["examine"]
 Column = NDArray[np.float64]
 Labels = NDArray[np.int64]
 
+_WIDE = 250  # columns of a table without slow air, which makes three times the products
+
 
 def examine(
     table: Table,
@@ -40,24 +42,11 @@ def examine(
     those of placements that a noise explains [m]; they are subtracted from the residual (Eq. 18a).
     `steps` are positions of rows at which the level may change: each has a column, which is no cause.
     """
-    distance = table.distance(base.model())
-    groups = None if table.reference is not None else table.groups
-    residual = table.indication - base.expected(distance, table.conditions)
+    residual = table.indication - base.expected(table.distance(base.model()), table.conditions)
     if offsets is not None:
         residual = residual - offsets
     still = residual if steps is None else _without_steps(residual, table.groups, steps)
-    scene = Scene(
-        base,
-        distance,
-        table.conditions,
-        table.distance,
-        groups,
-        still,
-        settings,
-        table.echoes,
-        table.stated_speed,
-        table.thermometers,
-    )
+    scene = Scene(table, base, still, settings)
     found = Candidates(scene.columns())
     found.columns.slope()  # first: what a group's own level adds
     if steps is not None:
@@ -67,8 +56,10 @@ def examine(
     found.aside = set_aside(scene, order, table.known, table.extra, rows, len(found.columns))
     recorded = {**table.known, **table.extra}
     against = {name: column for name, column in recorded.items() if name not in found.aside}
-    term_candidates(found, against, settings.terms, known_distance=groups is None, further=table.extra)
-    if len(found.columns) <= settings.noise_models.slow_air_width:
+    term_candidates(
+        found, against, settings.terms, known_distance=table.reference is not None, further=table.extra
+    )
+    if len(found.columns) <= _WIDE:
         found.slow_air = slow_air_columns(found, scene)
     found.columns.store(residual)  # last: what is to be explained
     sums = Sums.gather(found.columns, order, folds.blocks, at_first(order, settings.noise_models))

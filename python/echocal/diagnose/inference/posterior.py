@@ -17,6 +17,13 @@ __all__ = ["Inference", "core_prior", "infer", "posterior", "preferred"]
 Key = tuple[tuple[int, ...], float]
 
 
+PRUNED = 25.0
+"""Log odds behind the best, beyond which a hypothesis is left out: tests/test_diagnose_pruned.py."""
+
+UNDECIDED = 1.5
+"""Log odds within which the form of a cause with the most parameters is taken: docs/method.md, section 5."""
+
+
 @dataclass(frozen=True)
 class Inference:
     """The hypotheses after the data.
@@ -74,7 +81,6 @@ def posterior(
     """
     order = {cause: i for i, cause in enumerate(dict.fromkeys(v.cause for v in found.variants))}
     forms = [form(v, None if v.cause == UNKNOWN else order[v.cause]) for v in found.variants]
-    search = settings.search
     found_by_core = _core.posterior(
         stack.products,
         stack.log_weight,
@@ -82,7 +88,7 @@ def posterior(
         VARIANCE_FLOOR**2,
         forms,
         core_prior(settings.priors),
-        _core.SearchOptions(search.pruning_log_odds, search.form_preference, unlisted),
+        _core.SearchOptions(PRUNED, UNDECIDED, unlisted),
     )
     known = {} if known is None else known
     fits = []
@@ -99,10 +105,10 @@ def core_prior(priors: PriorSettings) -> _core.Prior:
     return _core.Prior(list(priors.counts), priors.unexplained_term)
 
 
-def preferred(same: Sequence[HypothesisFit], undecided: float) -> HypothesisFit:
+def preferred(same: Sequence[HypothesisFit]) -> HypothesisFit:
     """Choose one of several forms of the same causes, given most probable first.
 
     If two forms are about equally probable, the data do not determine a parameter. The form with more
     coefficients is chosen, because its uncertainty shows this.
     """
-    return same[_core.preferred_form([w.log_posterior for w in same], [len(w.mean) for w in same], undecided)]
+    return same[_core.preferred_form([w.log_posterior for w in same], [len(w.mean) for w in same], UNDECIDED)]

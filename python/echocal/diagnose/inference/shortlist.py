@@ -23,6 +23,8 @@ MEASURE = (
 )
 """What they are chosen by, in words."""
 
+_COLUMNS = 420  # that fit into 1 GB (docs/diagnose.md); of more, a shortlist of the further ones is tried
+_LEAST = 8  # further columns on the shortlist
 _ROWS = 20_000  # from which the further columns are chosen
 _RUN = 97  # of them that follow each other: a prime, so that no period of a table is missed
 _WHITE = Noise(0.0, 0.0, 0.0, 1.0)
@@ -60,10 +62,10 @@ def set_aside(
     tuple of str
         The next best comes first.
     """
-    terms, search = scene.settings.terms, scene.settings.search
+    terms = scene.settings.terms
     able = [name for name, column in further.items() if degrees_of(column, terms, further=True)]
     others += sum(degrees_of(column, terms) for column in known.values())
-    most = max((search.most_columns - others) // max(terms.degrees), search.shortlist_least)
+    most = max((_COLUMNS - others) // max(terms.degrees), _LEAST)
     if len(able) <= most:
         return ()
     rows = rows[np.arange(len(rows)) // _RUN % -(-len(rows) // _ROWS) == 0]

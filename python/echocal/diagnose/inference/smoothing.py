@@ -12,7 +12,6 @@ from echocal.diagnose.inference.case import Case
 from echocal.diagnose.inference.noise import VARIANCE_FLOOR, Noise
 from echocal.diagnose.inference.sums import Sums
 from echocal.diagnose.preprocess.table import Table
-from echocal.diagnose.settings import SmoothSettings
 from echocal.model.shape import DISTANCE
 
 __all__ = ["Coefficients", "Smoother", "least", "values_of"]
@@ -34,6 +33,24 @@ def values_of(table: Table, name: str) -> Column:
         assert table.reference is not None
         return table.reference
     return table.conditions[name] if name in table.conditions else table.extra[name]
+
+
+MOST_ROWS = 50_000
+"""Rows of a larger table that are fitted: evenly spaced runs."""
+
+_GAIN = 3.0  # log likelihood of rows left out, that a column must add
+_STANDARD_ERRORS = 1.0  # of what it adds, from its scatter over the parts left out, that it must add besides
+_RUN = 500  # rows, far longer than noise is correlated
+_PENALTIES = (
+    1e-4,
+    1e-3,
+    1e-2,
+    1e-1,
+    1.0,
+    1e2,
+)  # of the trace: about ten degrees of freedom to a straight line
+_MOST_TERMS = 6  # columns of one smooth correction
+_MOST_BESIDE = 8  # columns that are tried beside the first one: those that predict best alone
 
 
 @dataclass(frozen=True)
@@ -67,7 +84,6 @@ class Smoother:
         Whether a constant is fitted; an unknown level contains it.
     sums : Sums
     noise : Noise
-    settings : SmoothSettings
     known : dict
         Products over blocks that were requested before.
     """
@@ -78,7 +94,6 @@ class Smoother:
     has_offset: bool
     sums: Sums
     noise: Noise
-    settings: SmoothSettings
     known: dict[tuple[bool, bytes], tuple[Column, int]] = field(default_factory=dict, repr=False)
 
     @classmethod
@@ -86,8 +101,8 @@ class Smoother:
         cls, case: Case, splines: Sequence[Spline], residuals: Sequence[Column], noise: Noise
     ) -> "Smoother":
         """Pass once over the rows, for several residuals [m] that are to be explained."""
-        settings, table = case.settings.smooth, case.table
-        rows = _rows(len(table), settings)
+        table = case.table
+        rows = _rows(len(table))
         columns = Columns(case.base.plain, np.ones(len(rows)), {}, None)
         columns.store(np.ones(len(rows)))
         has_offset = table.reference is not None
@@ -105,7 +120,7 @@ class Smoother:
             columns.store(residual[rows])
         order = case.sums.order if len(rows) == len(table) else case.sums.order.at(rows)
         sums = Sums.gather(columns, order, case.folds.blocks[rows], [0.0, noise.correlation])
-        return cls(tuple(splines), tuple(means), tuple(places), has_offset, sums, noise, settings)
+        return cls(tuple(splines), tuple(means), tuple(places), has_offset, sums, noise)
 
     def over(self, blocks: Mask, noise: Noise | None = None) -> tuple[Column, int]:
         """Whitened products over some blocks, and rows less unknown levels."""
@@ -130,17 +145,17 @@ class Smoother:
         best: dict[int, float] = {}
         able, square = list(range(len(self.splines))), np.inf
         gains = np.zeros(len(held))
-        while len(best) < self.settings.most_terms and able:
+        while len(best) < _MOST_TERMS and able:
             tried = {place: self._gains(blocks, held, best, place, residual) for place in able}
             found = {
                 p: np.where(squares < square, parts.sum(axis=0), -np.inf)
                 for p, (parts, squares) in tried.items()
             }
-            able = sorted(able, key=lambda place: -found[place].max())[: self.settings.most_beside]
+            able = sorted(able, key=lambda place: -found[place].max())[:_MOST_BESIDE]
             place = able.pop(0)
             weight = int(found[place].argmax())
             more = tried[place][0][:, weight] - gains
-            if not (np.isfinite(found[place][weight]) and more.sum() > least(more, self.settings)):
+            if not (np.isfinite(found[place][weight]) and more.sum() > least(more)):
                 break
             gains, square = gains + more, float(tried[place][1][weight])
             best[place] = float(self._weights(blocks, place)[weight])
@@ -172,7 +187,7 @@ class Smoother:
         own, penalty = self.places[place], self.splines[place].penalty
         products, _ = self.over(blocks)
         unit = float(np.trace(products[own, own]) / np.trace(penalty))
-        return unit * np.array(self.settings.penalties)
+        return unit * np.array(_PENALTIES)
 
     def _gains(
         self, blocks: Mask, held: Sequence[Mask], weights: Weights, place: int, residual: int
@@ -219,11 +234,11 @@ class Smoother:
         return np.asarray(matrix)
 
 
-def least(more: Column, settings: SmoothSettings) -> float:
+def least(more: Column) -> float:
     """What a further column must add to the log likelihood, from what it adds in each part left out."""
     parts = len(more)
     error = np.sqrt(parts) * more.std(ddof=1) if parts > 1 else 0.0
-    return float(settings.gain_from + settings.standard_errors * error)
+    return float(_GAIN + _STANDARD_ERRORS * error)
 
 
 def _left(products: Column, used: Labels, residual: int, mean: Column) -> Column:
@@ -232,10 +247,10 @@ def _left(products: Column, used: Labels, residual: int, mean: Column) -> Column
     return np.asarray(products[residual, residual] - 2 * mean @ products[used, residual] + squares)
 
 
-def _rows(count: int, settings: SmoothSettings) -> Labels:
+def _rows(count: int) -> Labels:
     """All rows, or evenly spaced runs of many."""
-    if count <= settings.most_rows:
+    if count <= MOST_ROWS:
         return np.arange(count)
-    runs = settings.most_rows // settings.run
-    firsts = np.arange(runs) * (count - settings.run) // (runs - 1)
-    return (firsts[:, None] + np.arange(settings.run)).ravel()
+    runs = MOST_ROWS // _RUN
+    firsts = np.arange(runs) * (count - _RUN) // (runs - 1)
+    return (firsts[:, None] + np.arange(_RUN)).ravel()

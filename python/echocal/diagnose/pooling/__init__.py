@@ -6,7 +6,7 @@
     What one table says about the sizes of a set of causes, whatever their prior is.
 ``hierarchy``, ``search``
     The evidence of the sets of causes that all tables may share, with sizes that may vary between tables.
-``choice``, ``transfer``, ``sizes``, ``models``
+``choice``, ``transfer``, ``models``
     Which shared causes are claimed, what they gain on tables left out, and their sizes.
 ``pool``, ``engine``, ``result``, ``explain``
     The stages in order, and what a user gets.

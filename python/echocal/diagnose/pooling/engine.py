@@ -6,20 +6,22 @@ import time
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from echocal.diagnose.pipeline import examined
+from echocal.diagnose.pooling.parts import SkippedTable
+from echocal.diagnose.pooling.pool import pooled
+from echocal.diagnose.pooling.result import PooledDiagnosis
+from echocal.diagnose.pooling.source import sources_of
+from echocal.diagnose.pooling.table import TableInference
 from echocal.diagnose.preprocess.reading import read
 from echocal.diagnose.progress import Steps
 from echocal.diagnose.request import Request
 from echocal.diagnose.settings import Settings
 from echocal.errors import DataError
 from echocal.model import Model
+from echocal.observations import Observations
 from echocal.observations.given import reading_keywords, refuse_keywords
-
-if TYPE_CHECKING:
-    from echocal.diagnose.pooling.parts import SkippedTable
-    from echocal.diagnose.pooling.result import PooledDiagnosis
-    from echocal.diagnose.pooling.table import TableInference
 
 __all__ = ["diagnose_many"]
 
@@ -93,9 +95,6 @@ def diagnose_many(
     >>> found.verdict, found.causes[0].id, found.causes[0].recurs_in
     ('named', 'fixed_speed', ('A', 'B', 'C'))
     """
-    from echocal.diagnose.pooling.pool import pooled  # late: it is needed for several tables only
-    from echocal.diagnose.pooling.source import sources_of
-
     start = time.perf_counter()
     refuse_keywords(diagnose_many, table, reading_keywords())
     request = Request.of(
@@ -106,16 +105,13 @@ def diagnose_many(
         constant_distance=constant_distance,
         since=since,
         until=until,
-        hold_out_after=None,
-        can_vary=None,
     )
     how: dict[str, Any] = {"columns": columns, "reading_speed": reading_speed, "missing": missing, **table}
     sources = sources_of(tables, by, how)
     found, skipped = _each(sources.tables, sources.how, request, progress)
     if sources.unlabeled:
-        skipped.append(
-            _skipped("(no label)", sources.unlabeled, f"column '{sources.by}' is empty in these rows")
-        )
+        why = f"column '{sources.by}' is empty in these rows"
+        skipped.append(SkippedTable("(no label)", sources.unlabeled, why))
     if len(found) < _FEWEST:
         raise DataError(_too_few(len(found), skipped))
     if progress is not None:
@@ -128,10 +124,6 @@ def _each(
     tables: Mapping[str, Any], how: Mapping[str, Any], request: Request, progress: PoolProgress | None
 ) -> tuple[list[TableInference], list[SkippedTable]]:
     """Diagnose each table; those that are too small or cannot be read are listed."""
-    from echocal.diagnose.pipeline import examined
-    from echocal.diagnose.pooling.table import TableInference
-    from echocal.observations import Observations
-
     found, skipped = [], []
     for done, (name, source) in enumerate(tables.items()):
         if progress is not None:
@@ -143,7 +135,7 @@ def _each(
         try:
             result = examined(read(source, own), request, Steps(None))
         except DataError as error:
-            skipped.append(_skipped(name, _rows(source), str(error)))
+            skipped.append(SkippedTable(name, _rows(source), str(error)))
             continue
         seconds = time.perf_counter() - begun
         found.append(TableInference.of(name, result, replace(result.diagnosis, seconds=seconds)))
@@ -152,12 +144,6 @@ def _each(
 
 def _rows(source: Any) -> int | None:
     return None if isinstance(source, str | Path | Mapping) or not hasattr(source, "__len__") else len(source)
-
-
-def _skipped(name: str, rows: int | None, reason: str) -> SkippedTable:
-    from echocal.diagnose.pooling.parts import SkippedTable
-
-    return SkippedTable(name, rows, reason)
 
 
 def _too_few(count: int, skipped: list[SkippedTable]) -> str:

@@ -1,16 +1,18 @@
 """A pooled diagnosis in sentences."""
 
+from collections.abc import Sequence
+
 from echocal.diagnose.catalogue import find_cause
 from echocal.diagnose.findings.parts import Parameter
 from echocal.diagnose.findings.sentences import enumerated, parameter_text
 from echocal.diagnose.pooling.outcome import PooledOutcome
 from echocal.diagnose.pooling.parts import InTable, PooledCause
+from echocal.diagnose.results.explain import probability_text
 
 __all__ = [
     "explain",
     "in_table_text",
     "lead",
-    "pooled_probability",
     "recurrence",
     "sentence",
     "short_sizes",
@@ -23,8 +25,8 @@ def explain(pooled: PooledOutcome) -> str:
     """Sentences, a line for each fact."""
     lines = [f"{lead(pooled)}."]
     for cause in pooled.causes:
-        lines.append(f"{cause.id}, {sizes_text(cause)} ({pooled_probability(cause)}): {sentence(cause)}")
-        lines.append(f"  {recurrence(cause)}.")
+        lines.append(f"{cause.id}, {sizes_text(cause)} ({probability_text(cause)}): {sentence(cause)}")
+        lines.append(f"  {cause.because}.")
         lines += [f"  {one.table}: {in_table_text(one)}." for one in cause.tables]
         if cause.doubt:
             lines.append(f"  Doubt: {cause.doubt}.")
@@ -55,17 +57,6 @@ def sentence(cause: PooledCause) -> str:
     return find_cause(cause.id).sentence
 
 
-def pooled_probability(cause: PooledCause) -> str:
-    """Probability that the tables share the cause, or one of its class."""
-    count = 1 + len(cause.indistinguishable_from)
-    if count == 1:
-        return f"probability {cause.probability:.3f}"
-    return (
-        f"one of {count} causes: probability {cause.probability:.3f} together; {cause.id} alone "
-        f"{cause.probability_alone:.3f}"
-    )
-
-
 def sizes_text(cause: PooledCause) -> str:
     """Mean sizes, and how much they vary between tables."""
     if cause.shares == "name":
@@ -90,17 +81,16 @@ def _quantity(name: str, value: float, uncertainty: float, unit: str) -> str:
     return parameter_text(name, value, max(uncertainty, 1e-300), unit).partition(" = ")[2]
 
 
-def recurrence(cause: PooledCause) -> str:
+def recurrence(tables: Sequence[InTable]) -> str:
     """In how many tables a cause is, and which of them say otherwise."""
-    counts = {role: [one.table for one in cause.tables if one.role == role] for role in _ROLES}
+    counts = {role: [one.table for one in tables if one.role == role] for role in _ROLES}
     parts = [f"{len(names)} {_ROLES[role]}" for role, names in counts.items() if names]
-    return f"Of {len(cause.tables)} tables, {enumerated(parts)}"
+    return f"Of {len(tables)} tables, {enumerated(parts)}"
 
 
 _ROLES = {
     "supports": "support it",
     "contradicts": "contradict it",
-    "doubts": "refute or doubt it",
     "undecided": "leave it open",
     "not tested": "cannot test it",
 }
@@ -108,7 +98,7 @@ _ROLES = {
 
 def in_table_text(one: InTable) -> str:
     """What one table says."""
-    if one.role in {"not tested", "doubts"}:
+    if one.role == "not tested":
         return f"{one.role}: {one.why}"
 
     def text(parameters: tuple[Parameter, ...]) -> str:

@@ -2,21 +2,34 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import product
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from echocal.diagnose.settings.priors import WIDTHS
 
-__all__ = ["Grid", "Likelihoods", "Population", "left_out", "log_mixture", "population"]
+__all__ = ["Grid", "Likelihoods", "Population", "Sizes", "left_out", "log_mixture", "population"]
 
 Array = NDArray[np.floating[Any]]
 Bounds = Sequence[tuple[float, float]]
 
 _FAR = 15.0  # prior standard deviations beyond which a bound has no effect: Eq. 15
 _PER_CAUSE = 2  # causes up to which each has a standard deviation between tables of its own
+
+
+class Sizes(NamedTuple):
+    """Sizes of a set of causes, in the units of their shared forms."""
+
+    mean: Array
+    covariance: Array
+
+    @property
+    def deviation(self) -> Array:
+        """Standard uncertainties."""
+        return np.asarray(np.sqrt(np.diag(self.covariance)))
 
 
 @dataclass(frozen=True)
@@ -93,10 +106,8 @@ class Population:
 
     Attributes
     ----------
-    log_evidence : float
     weight : ndarray, shape (g,)
         Probability of each combination of the grid.
-    grid : Grid
     means : ndarray, shape (g, d)
         Of the mean size.
     covariances : ndarray, shape (g, d, d)
@@ -108,30 +119,19 @@ class Population:
     means: Array
     covariances: Array
 
-    @property
-    def mean(self) -> Array:
-        """Mean size of the tables."""
-        return np.asarray(self.weight @ self.means)
-
-    @property
-    def covariance(self) -> Array:
-        """Of the mean size."""
-        apart = self.means - self.mean
-        return np.asarray(
-            np.einsum("g,gij->ij", self.weight, self.covariances)
-            + np.einsum("g,gi,gj->ij", self.weight, apart, apart)
-        )
+    @cached_property
+    def mean(self) -> Sizes:
+        """Mean sizes of the tables."""
+        (mean,), (covariance,) = self._averaged(self.means[:, None], self.covariances[:, None])
+        return Sizes(mean, covariance)
 
     @property
     def between(self) -> Array:
         """Posterior mean of the standard deviation between tables."""
         return np.asarray(self.weight @ self.grid.between)
 
-    def sizes(self, tables: Likelihoods) -> tuple[Array, Array]:
-        """Size of each table, drawn to the mean of all: mean, shape (k, d), and covariance, (k, d, d).
-
-        docs/method.md, Eq. 38.
-        """
+    def drawn(self, tables: Likelihoods) -> list[Sizes]:
+        """Sizes of each table, drawn to the mean of all: docs/method.md, Eq. 38."""
         d = self.grid.widths.shape[1]
         variance = self.grid.between**2  # (g, d)
         inner = np.eye(d) + variance[:, None, :, None] * tables.precision  # (g, k, d, d)
@@ -141,6 +141,10 @@ class Population:
             "gkij,kj->gki", own, tables.information
         )
         covariances = own + kept @ self.covariances[:, None] @ np.swapaxes(kept, -1, -2)
+        return [Sizes(*both) for both in zip(*self._averaged(means, covariances), strict=True)]
+
+    def _averaged(self, means: Array, covariances: Array) -> tuple[Array, Array]:
+        """Over the grid: means, shape (g, k, d), and covariances, shape (g, k, d, d)."""
         mean = np.einsum("g,gki->ki", self.weight, means)
         apart = means - mean
         covariance = np.einsum("g,gkij->kij", self.weight, covariances)

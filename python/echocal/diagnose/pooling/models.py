@@ -1,7 +1,7 @@
 """The model that all tables share, and the model of each table."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -12,58 +12,15 @@ from echocal.diagnose.inference.hypothesis import Hypothesis, HypothesisFit, fit
 from echocal.diagnose.pooling.choice import SharedClaim
 from echocal.diagnose.pooling.search import Pool, SharedSet
 from echocal.diagnose.pooling.table import TableInference
-from echocal.diagnose.selection.claims import columns_of, covariance_of, effects_of, parameters
+from echocal.diagnose.selection.claims import extended
 from echocal.diagnose.validation.gain import HeldOut, errors
 from echocal.diagnose.validation.residual_uncertainty import residual_uncertainty
 from echocal.model import Model
 from echocal.registry import find_effect
 
-__all__ = ["Sizes", "model_of_table", "shared_model"]
-
 Array = NDArray[np.floating[Any]]
 
-
-@dataclass(frozen=True)
-class Sizes:
-    """Sizes of a shared set: a mean and its covariance, in the units of the forms."""
-
-    mean: Array
-    covariance: Array
-
-    def of(self, shared: SharedSet, cause: str) -> tuple[Array, Array]:
-        """Sizes of one cause and their standard uncertainties."""
-        place = _places(shared)[cause]
-        return self.mean[place], np.sqrt(np.diag(self.covariance))[place]
-
-
-def _places(shared: SharedSet) -> dict[str, slice]:
-    ends = np.cumsum([0, *(len(form.names) for form in shared.forms)])
-    return {form.cause: slice(ends[i], ends[i + 1]) for i, form in enumerate(shared.forms)}
-
-
-def hypothesis_of(pool: Pool, shared: SharedSet, sizes: Sizes, table: TableInference | None) -> HypothesisFit:
-    """The shared causes as a hypothesis, without those of which tables share only the name.
-
-    With a table, without those that it has no columns for.
-    """
-    places = _places(shared)
-    variants: list[Variant] = []
-    at: list[int] = []
-    for form in (form for form in shared.forms if not form.is_by_name):
-        if table is not None and not table.can_have(form.cause):
-            continue
-        first = () if table is None else (table,)
-        source = next(one for one in (*first, *pool.tables) if one.of_forms(form))
-        own = source.of_forms(form)[0]
-        free = tuple(range(len(at), len(at) + len(form.names)))
-        at += list(range(places[form.cause].start, places[form.cause].stop))
-        variants.append(
-            Variant(
-                form.cause, own.at, own.offset, free, form.names, form.scales, form.bounds, bound=own.bound
-            )
-        )
-    covariance = sizes.covariance[np.ix_(at, at)]
-    return HypothesisFit(Hypothesis(tuple(variants), 1.0), 0.0, sizes.mean[at], covariance, np.ones(1), 1.0)
+__all__ = ["model_of_table", "shared_model"]
 
 
 def shared_model(
@@ -73,11 +30,25 @@ def shared_model(
     tables: Sequence[int],
     use: TableInference | None = None,
 ) -> Model:
-    """Base and shared causes, with the sizes that some tables share; if given, for the use in one table."""
+    """Base and shared causes, with the sizes that some tables share; if given, for the use in one table.
+
+    Without causes of which tables share only the name, and those that the one table has no columns for.
+    """
     some = np.zeros(len(pool.tables), dtype=bool)
     some[list(tables)] = True
-    population = shared.population if some.all() else pool.population(shared.forms, some)
-    fit = hypothesis_of(pool, shared, Sizes(population.mean, population.covariance), use)
+    sizes = (shared.population if some.all() else pool.population(shared.forms, some)).mean
+    variants: list[Variant] = []
+    at: list[int] = []
+    for form in shared.forms:
+        if not form.is_by_name and (use is None or use.can_have(form.cause)):
+            first = pool.tables if use is None else (use, *pool.tables)
+            own = next(found for table in first for found in table.of_forms(form))
+            variants.append(form.variant(len(at), own))
+            place = shared.place(form.cause)
+            at += range(place.start, place.stop)
+    covariance = sizes.covariance[np.ix_(at, at)]
+    hypothesis = Hypothesis(tuple(variants), 1.0)
+    fit = HypothesisFit(hypothesis, 0.0, sizes.mean[at], covariance, np.ones(1), 1.0)
     return _model([pool.tables[place] for place in tables], fit, provenance)
 
 
@@ -87,13 +58,10 @@ def _model(tables: Sequence[TableInference], fit: HypothesisFit, provenance: Map
     airs = [table.table.air() for table in tables]
     names = sorted({name for air in airs for name in air})
     medians = {name: float(np.median([air[name] for air in airs if name in air])) for name in names}
-    effects = effects_of(fit)
-    unknown = {name for id_ in effects for name in find_effect(id_).excludes}
+    unknown = {name for id_ in fit.hypothesis.effects for name in find_effect(id_).excludes}
     medians = {name: value for name, value in medians.items() if name not in unknown}
-    own = type(base)(base.law, base.effects, {**base.air, **medians}, base.device_speed)
-    places = own.model(effects).parameter_names
-    covariance = covariance_of(fit, places) if places else None
-    return own.model(effects, covariance=covariance, provenance=dict(provenance), columns=columns_of(fit))
+    own = replace(base, air={**base.air, **medians})
+    return extended(own, fit, provenance=dict(provenance))
 
 
 def model_of_table(
@@ -102,25 +70,23 @@ def model_of_table(
     claims: Sequence[SharedClaim],
     place: int,
     provenance: Mapping[str, Any],
-) -> tuple[Model, Sizes]:
+) -> Model:
     """Base, shared causes with the sizes of this table, and causes that are its own.
 
     The sizes of shared causes are drawn to their mean; the others are fitted beside them.
     """
     table = pool.tables[place]
-    population = shared.population
-    means, covariances = population.sizes(pool.likelihoods(shared.forms))
-    sizes = Sizes(means[place], covariances[place])
-    spoken = [form for form in shared.forms if pool.speaks(table, form.cause)]
+    sizes = shared.population.drawn(pool.likelihoods(shared.forms))[place]
+    spoken = [form for form in shared.forms if form.cause in table.competing]
     fit = _with_own(table, spoken, {id_ for claim in claims for id_ in (claim.cause, *claim.rivals)})
-    places = _places(shared)
-    given, units, at = [], [], []
-    for variant, own in fit.hypothesis.placed:
-        form = next((form for form in spoken if form.cause == variant.cause and form.names), None)
-        if form is not None:
-            at += [own.start + i for i in range(len(form.names))]
-            given += list(range(places[form.cause].start, places[form.cause].stop))
-            units += [a / b for a, b in zip(form.scales, variant.scales, strict=False)]
+    given: list[int] = []
+    at: list[int] = []
+    units: list[float] = []
+    for form, own, unit in table.shared(spoken, fit.hypothesis):
+        of_set = shared.place(form.cause)
+        given += range(of_set.start, of_set.stop)
+        at += range(own.start, own.stop)
+        units += unit.tolist()
     unit = np.array(units)
     drawn = sizes.covariance[np.ix_(given, given)] * unit[:, None] * unit
     fit = _conditioned(fit, at, sizes.mean[given] * unit, drawn)
@@ -128,7 +94,7 @@ def model_of_table(
     rows = table.table.rows
     left = HeldOut(errors(rows, model, np.ones(len(rows), dtype=bool)))
     residual = residual_uncertainty(rows, model, left, "the rows of the table")
-    return model.with_residual_uncertainty(residual), sizes
+    return model.with_residual_uncertainty(residual)
 
 
 def _with_own(table: TableInference, spoken: Sequence[Any], taken: set[str]) -> HypothesisFit:
@@ -150,11 +116,3 @@ def _conditioned(fit: HypothesisFit, at: Sequence[int], mean: Array, covariance:
     moved = fit.mean + gain @ (mean - fit.mean[at])
     rest = fit.covariance - gain @ fit.covariance[at, :] + gain @ covariance @ gain.T
     return HypothesisFit(fit.hypothesis, fit.log_evidence, moved, rest, fit.noise, fit.variance)
-
-
-def values(shared: SharedSet, cause: str, table: TableInference, size: Array) -> dict[str, float]:
-    """Parameters of a shared cause, in SI units."""
-    form = next(form for form in shared.forms if form.cause == cause)
-    own = table.of_forms(form)[0]
-    variant = Variant(cause, own.at, names=form.names, scales=form.scales, bounds=form.bounds)
-    return parameters(variant, size)

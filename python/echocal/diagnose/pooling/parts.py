@@ -3,34 +3,21 @@
 from dataclasses import dataclass, field
 from typing import Literal
 
-from echocal.diagnose.findings.parts import Parameter
+from echocal.diagnose.findings.parts import Cause, Parameter
 from echocal.diagnose.pooling.transfer import Transfer
 from echocal.diagnose.results.diagnosis import Diagnosis
 from echocal.model import Model
 
 __all__ = ["InTable", "PooledCause", "PooledParameter", "Role", "SkippedTable", "TableResult"]
 
-Role = Literal["supports", "contradicts", "undecided", "doubts", "not tested"]
+Role = Literal["supports", "contradicts", "undecided", "not tested"]
 
 
 @dataclass(frozen=True)
-class PooledParameter:
-    """A size that tables share.
+class PooledParameter(Parameter):
+    """A size that tables share: its mean, and the standard deviation between tables."""
 
-    Attributes
-    ----------
-    name, unit : str
-    value, standard_uncertainty : float
-        Mean of the tables (0 where theory fixes it).
-    between_tables : float
-        Standard deviation between tables.
-    """
-
-    name: str
-    value: float
-    standard_uncertainty: float
     between_tables: float
-    unit: str
 
 
 @dataclass(frozen=True)
@@ -42,8 +29,8 @@ class InTable:
     table : str
         Name.
     role : str
-        ``supports`` or ``contradicts``, by `log_bayes`; ``undecided`` between them; ``doubts``: the rows
-        of the table refute the cause; ``not tested``: the table cannot show the cause.
+        ``supports`` or ``contradicts``, by `log_bayes`; ``undecided`` between them; ``not tested``:
+        the table cannot show the cause.
     log_bayes : float
         Log Bayes factor of this table, given the others, for the cause beside the other shared causes.
     parameters : tuple of Parameter
@@ -51,7 +38,7 @@ class InTable:
     drawn : tuple of Parameter
         Sizes of this table, drawn to the mean of all tables.
     why : str
-        Why the cause is not tested, or doubted.
+        Why the cause is not tested.
     """
 
     table: str
@@ -62,41 +49,25 @@ class InTable:
     why: str = ""
 
 
-@dataclass(frozen=True)
-class PooledCause:
-    """A cause that tables share.
+@dataclass(frozen=True, kw_only=True)
+class PooledCause(Cause):
+    """A cause that tables share; no table separates it from those in ``indistinguishable_from``.
 
     Attributes
     ----------
-    id : str
-    probability : float
-        Of this cause or one of those that no table separates from it.
-    probability_alone : float
-    indistinguishable_from : tuple of str
     shares : str
         ``sizes``: the tables share sizes or a form; ``name``: only that the cause is there.
-    parameters : tuple of PooledParameter
-    tables : tuple of InTable
     recurs_in : tuple of str
         Names of the tables that support it.
     tested_in : int
-        Number of tables that can show it, or doubt it.
-    in_model : bool
-    doubt : str
-        Why the cause is not named although it is probable; else empty.
+        Number of tables that can show it.
     """
 
-    id: str
-    probability: float
-    probability_alone: float
-    indistinguishable_from: tuple[str, ...]
-    shares: Literal["sizes", "name"]
     parameters: tuple[PooledParameter, ...]
+    shares: Literal["sizes", "name"]
     tables: tuple[InTable, ...]
     recurs_in: tuple[str, ...]
     tested_in: int
-    in_model: bool = True
-    doubt: str = ""
 
 
 @dataclass(frozen=True)

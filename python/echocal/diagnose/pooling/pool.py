@@ -5,11 +5,13 @@ from dataclasses import asdict
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from echocal.diagnose.findings.parts import Gain, Parameter, Verdict
-from echocal.diagnose.pooling.against import opposition
-from echocal.diagnose.pooling.choice import Choice, Classes, SharedClaim, choose
-from echocal.diagnose.pooling.models import Sizes, model_of_table, shared_model, values
+from echocal.diagnose.pooling.choice import Choice, SharedClaim, choose
+from echocal.diagnose.pooling.explain import recurrence
+from echocal.diagnose.pooling.hierarchy import Sizes
+from echocal.diagnose.pooling.models import model_of_table, shared_model
 from echocal.diagnose.pooling.parts import (
     InTable,
     PooledCause,
@@ -20,46 +22,47 @@ from echocal.diagnose.pooling.parts import (
 )
 from echocal.diagnose.pooling.result import PooledDiagnosis
 from echocal.diagnose.pooling.search import Pool, SharedSet, search
+from echocal.diagnose.pooling.shared_forms import SharedForm
 from echocal.diagnose.pooling.table import TableInference
 from echocal.diagnose.pooling.transfer import transfer
-from echocal.diagnose.selection.claims import posterior_sets
+from echocal.diagnose.selection.claims import parameters, posterior_sets
 from echocal.diagnose.settings import Settings
+from echocal.diagnose.verdict import credible_set
 from echocal.registry import find_effect
 
 __all__ = ["pooled"]
+
+Array = NDArray[np.floating[Any]]
 
 
 def pooled(
     tables: Sequence[TableInference], skipped: tuple[SkippedTable, ...], settings: Settings, seed: int
 ) -> PooledDiagnosis:
     """Compare the sets of causes that the tables may share, claim, judge on tables left out, and size."""
-    pool = Pool(tables, settings, opposition(tables, settings))
+    pool = Pool(tables, settings)
     sets = search(pool)
-    classes = Classes(pool)
-    choice = choose(pool, sets, classes)
+    choice = choose(pool, sets)
     by_size = [form.cause for form in choice.best.forms if not form.is_by_name]
-    gain, transfers, residual = transfer(pool, sets, classes, by_size, seed)
+    gain, transfers, residual = transfer(pool, sets, by_size, seed)
     refuted = bool(by_size) and gain.rms_after_m > gain.rms_before_m
     modeled = pool.evaluated(()) if refuted else choice.best
     claims = () if refuted else choice.claims
+    taken = {id_ for claim in claims for id_ in (claim.cause, *claim.rivals)}
     provenance = {"made_by": "echocal diagnose", "tables": [table.name for table in tables]}
     results: dict[str, TableResult] = {}
-    drawn: list[Sizes] = []
     for place, table in enumerate(tables):
-        model, _ = model_of_table(pool, modeled, claims, place, {**provenance, "of": table.name})
-        taken = {id_ for claim in claims for id_ in (claim.cause, *claim.rivals)}
+        model = model_of_table(pool, modeled, claims, place, {**provenance, "of": table.name})
         own = tuple(c.id for c in table.diagnosis.causes if c.kind == "effect" and c.in_model)
         own = tuple(id_ for id_ in own if id_ not in taken)
         results[table.name] = TableResult(table.diagnosis, model, own, transfers[place])
-    means, covariances = choice.best.population.sizes(pool.likelihoods(choice.best.forms))
-    drawn = [Sizes(mean, covariance) for mean, covariance in zip(means, covariances, strict=True)]
-    causes = tuple(_cause(pool, choice, claim, drawn, gain, refuted=refuted) for claim in choice.claims)
+    drawn = choice.best.population.drawn(pool.likelihoods(choice.best.forms))
+    causes = tuple(_cause(pool, choice.best, claim, drawn, gain, refuted=refuted) for claim in choice.claims)
     model = shared_model(pool, modeled, {**provenance, "gain": asdict(gain)}, range(len(tables)))
     return PooledDiagnosis(
         verdict=_verdict(pool, choice, causes),
         causes=causes,
-        posterior=tuple(posterior_sets(choice.ranking.ranking).items()),
-        credible_set=_credible(choice, settings),
+        posterior=tuple(posterior_sets(choice.ranking).items()),
+        credible_set=credible_set(choice.ranking.sets, settings.claims.credible),
         gain=gain,
         tables=results,
         skipped=skipped,
@@ -71,59 +74,48 @@ def pooled(
 
 
 def _cause(
-    pool: Pool, choice: Choice, claim: SharedClaim, drawn: Sequence[Sizes], gain: Gain, *, refuted: bool
+    pool: Pool, shared: SharedSet, claim: SharedClaim, drawn: Sequence[Sizes], gain: Gain, *, refuted: bool
 ) -> PooledCause:
-    shared = choice.best
-    form = next(form for form in shared.forms if form.cause == claim.cause)
+    form, population = shared.form(claim.cause), shared.population
     each = _in_tables(pool, shared, claim.cause, drawn)
     recurs = tuple(one.table for one in each if one.role == "supports")
     tested = sum(one.role != "not tested" for one in each)
+    place = shared.place(claim.cause)
     parameters: tuple[PooledParameter, ...] = ()
     if not form.is_by_name:
-        population = shared.population
-        size, deviation = Sizes(population.mean, population.covariance).of(shared, claim.cause)
-        between, _ = Sizes(population.between, population.covariance).of(shared, claim.cause)
         table = next(table for table in pool.tables if table.of_forms(form))
-        of = values(shared, claim.cause, table, size)
-        scale = dict(zip(form.names, form.scales, strict=True))
-        at = {name: place for place, name in enumerate(form.names)}
+        size, deviation = population.mean.mean[place], population.mean.deviation[place]
+        between = dict(zip(form.names, population.between[place] * form.scales, strict=True))
         parameters = tuple(
-            PooledParameter(
-                p.name,
-                of[p.name],
-                float(deviation[at[p.name]]) * scale[p.name] if p.name in at else 0.0,
-                float(between[at[p.name]]) * scale[p.name] if p.name in at else 0.0,
-                p.unit,
-            )
-            for p in find_effect(claim.cause).parameters
-            if p.name in of
+            PooledParameter(p.name, p.value, p.standard_uncertainty, p.unit, between.get(p.name, 0.0))
+            for p in _parameters(form, table, size, deviation)
         )
-    doubt = _doubt(pool, shared, claim, len(recurs), tested, gain, refuted=refuted)
     return PooledCause(
-        claim.cause,
-        claim.probability,
-        claim.alone,
-        claim.rivals,
-        "name" if form.is_by_name else "sizes",
-        parameters,
-        each,
-        recurs,
-        tested,
+        id=claim.cause,
+        kind="effect",
+        probability=claim.probability,
+        parameters=parameters,
+        indistinguishable_from=claim.rivals,
+        because=recurrence(each),
         in_model=not (refuted or form.is_by_name),
-        doubt=doubt,
+        doubt=_doubt(pool, shared, form, (len(recurs), tested), gain, refuted=refuted),
+        probability_alone=claim.alone,
+        shares="name" if form.is_by_name else "sizes",
+        tables=each,
+        recurs_in=recurs,
+        tested_in=tested,
     )
 
 
 def _doubt(
-    pool: Pool, shared: SharedSet, claim: SharedClaim, recurs: int, tested: int, gain: Gain, *, refuted: bool
+    pool: Pool, shared: SharedSet, form: SharedForm, recurs: tuple[int, int], gain: Gain, *, refuted: bool
 ) -> str:
-    form = next(form for form in shared.forms if form.cause == claim.cause)
-    size, _ = Sizes(shared.population.mean, shared.population.covariance).of(shared, claim.cause)
+    largest = float(np.abs(shared.population.mean.mean[shared.place(form.cause)]).max(initial=0.0))
     low, high = (1e3 * end for end in gain.interval_95)
-    if recurs < pool.settings.pooling.fewest_tables:
-        return f"only {recurs} of {tested} tables that test it support it by themselves"
-    if len(size) and float(np.abs(size).max()) > pool.settings.claims.implausible:
-        return f"its mean size is {float(np.abs(size).max()):.2g} times the usual one"
+    if recurs[0] < pool.settings.pooling.fewest_tables:
+        return f"only {recurs[0]} of {recurs[1]} tables that test it support it by themselves"
+    if largest > pool.settings.claims.implausible:
+        return f"its mean size is {largest:.2g} times the usual one"
     if form.is_by_name:
         return "tables share only its name; the gain of each table must judge it"
     if refuted:
@@ -141,21 +133,21 @@ def _doubt(
 
 def _in_tables(pool: Pool, shared: SharedSet, cause: str, drawn: Sequence[Sizes]) -> tuple[InTable, ...]:
     less = pool.evaluated(tuple(form for form in shared.forms if form.cause != cause))
-    form = next(form for form in shared.forms if form.cause == cause)
+    form, place = shared.form(cause), shared.place(cause)
     likelihoods = pool.likelihoods((form,))
     found = []
-    for place, table in enumerate(pool.tables):
-        log = _own_part(shared, place) - _own_part(less, place)
-        role, why = _role(pool, table, cause, log)
+    for number, table in enumerate(pool.tables):
+        log = _own_part(shared, number) - _own_part(less, number)
+        role, why = _role(table, cause, log, pool.settings.pooling.speaks)
         alone: tuple[Parameter, ...] = ()
-        mean: tuple[Parameter, ...] = ()
-        if pool.speaks(table, cause) and not form.is_by_name:
-            precision = likelihoods.precision[place] + 1e-6 * np.eye(len(form.names))  # flat: very uncertain
+        pooled: tuple[Parameter, ...] = ()
+        if cause in table.competing and not form.is_by_name:
+            precision = likelihoods.precision[number] + 1e-6 * np.eye(len(form.names))  # flat: very uncertain
             covariance = np.linalg.inv(precision)
-            own = covariance @ likelihoods.information[place]
-            alone = _parameters(shared, cause, table, own, np.sqrt(np.diag(covariance)))
-            mean = _parameters(shared, cause, table, *drawn[place].of(shared, cause))
-        found.append(InTable(table.name, role, log, alone, mean, why))
+            own = Sizes(covariance @ likelihoods.information[number], covariance)
+            alone = _parameters(form, table, own.mean, own.deviation)
+            pooled = _parameters(form, table, drawn[number].mean[place], drawn[number].deviation[place])
+        found.append(InTable(table.name, role, log, alone, pooled, why))
     return tuple(found)
 
 
@@ -164,27 +156,24 @@ def _own_part(shared: SharedSet, place: int) -> float:
     return shared.population.log_evidence - float(shared.others[place])
 
 
-def _role(pool: Pool, table: TableInference, cause: str, log: float) -> tuple[Role, str]:
-    if (table.name, cause) in pool.against:
-        return "doubts", "the cross-validated rows of this table refute it"
+def _role(table: TableInference, cause: str, log: float, least: float) -> tuple[Role, str]:
     if cause not in table.competing:
         return "not tested", table.skipped.get(cause, "not tried")
-    least = pool.settings.pooling.speaks
     if abs(log) < least:
         return "undecided", ""
     return ("supports" if log > 0.0 else "contradicts"), ""
 
 
 def _parameters(
-    shared: SharedSet, cause: str, table: TableInference, size: Any, deviation: Any
+    form: SharedForm, table: TableInference, size: Array, deviation: Array
 ) -> tuple[Parameter, ...]:
-    form = next(form for form in shared.forms if form.cause == cause)
-    of = values(shared, cause, table, size)
-    uncertain = dict(zip(form.names, deviation * np.array(form.scales), strict=True))
+    """Parameters of a shared cause in a table, in SI units."""
+    value = parameters(form.variant(0, table.of_forms(form)[0]), size)
+    uncertain = dict(zip(form.names, (deviation * form.scales).tolist(), strict=True))
     return tuple(
-        Parameter(p.name, of[p.name], float(uncertain.get(p.name, 0.0)), p.unit)
-        for p in find_effect(cause).parameters
-        if p.name in of
+        Parameter(p.name, value[p.name], uncertain.get(p.name, 0.0), p.unit)
+        for p in find_effect(form.cause).parameters
+        if p.name in value
     )
 
 
@@ -198,18 +187,8 @@ def _verdict(pool: Pool, choice: Choice, causes: Sequence[PooledCause]) -> Verdi
         and max((terms.count(name) for name in terms), default=0) >= pool.settings.pooling.fewest_tables
     ):
         return "unknown"
-    shared = sum(p for ids, p in choice.ranking.ranking.sets if ids)
+    shared = sum(p for ids, p in choice.ranking.sets if ids)
     return "ambiguous" if causes or shared > claims.named else "nothing"
-
-
-def _credible(choice: Choice, settings: Settings) -> tuple[tuple[str, ...], ...]:
-    total, chosen = 0.0, []
-    for ids, p in choice.ranking.ranking.sets:
-        chosen.append(ids)
-        total += p
-        if total >= settings.claims.credible:
-            break
-    return tuple(chosen)
 
 
 def _notes(pool: Pool, results: dict[str, TableResult]) -> list[str]:

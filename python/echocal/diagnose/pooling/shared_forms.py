@@ -1,7 +1,7 @@
 """Which forms of a cause are the same in every table, and in which unit their sizes are compared."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -22,8 +22,6 @@ class SharedForm:
 
     Attributes
     ----------
-    cause : str
-    key : tuple
     weight : float
         Probability among the forms of the cause.
     names : tuple of str
@@ -45,6 +43,14 @@ class SharedForm:
     def is_by_name(self) -> bool:
         """Whether only the name is shared."""
         return self.key == BY_NAME
+
+    def variant(self, first: int, own: Variant | None = None) -> Variant:
+        """The form as a variant, whose sizes are from a position on; with the parameters of a table's own."""
+        own = Variant(self.cause, offset=None if self.names else 0) if own is None else own
+        free = tuple(range(first, first + len(self.names)))
+        return replace(
+            own, free=free, names=self.names, scales=self.scales, bounds=self.bounds, weight=self.weight
+        )
 
 
 def by_name(cause: str) -> bool:

@@ -21,7 +21,6 @@ class Sources:
 
     Attributes
     ----------
-    tables : mapping of str to object
     unlabeled : int
         Rows of a divided table that have no label.
     how : mapping of str to object

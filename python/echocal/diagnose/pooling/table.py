@@ -1,10 +1,9 @@
 """What one table says about sets of causes that all tables may share: docs/method.md, Eq. 35 and 36."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import product
-from math import comb
 from typing import Any
 
 import numpy as np
@@ -20,10 +19,10 @@ from echocal.diagnose.preprocess.base import Base
 from echocal.diagnose.preprocess.table import Table
 from echocal.diagnose.results.diagnosis import Diagnosis
 from echocal.diagnose.selection.decision import threshold_of
-from echocal.diagnose.settings import PriorSettings, Settings
+from echocal.diagnose.settings import Settings
 from echocal.diagnose.settings.priors import WIDEST
 
-__all__ = ["TableInference", "log_prior_of_set"]
+__all__ = ["TableInference"]
 
 _SHARE = 0.01  # of a set's evidence, below which a hypothesis does not move its sizes
 _MOST = 12  # hypotheses that move the sizes of a set
@@ -33,34 +32,12 @@ Array = NDArray[np.floating[Any]]
 Natural = tuple[float, Array, Array]
 
 
-def log_prior_of_set(count: int, competing: int, priors: PriorSettings) -> float:
-    """Log prior of one set of so many causes: docs/method.md, Eq. 7 and 8, without forms and terms."""
-    if count > competing:
-        return -np.inf
-    return float(np.log(_prior_of_count(count, priors)) - np.log(comb(competing, count)))
-
-
-def _prior_of_count(count: int, priors: PriorSettings) -> float:
-    first = priors.counts
-    return first[count] if count < len(first) else first[-1] * 0.1 ** (count - len(first) + 1)
-
-
-def log_prior_of_presence(count: int, competing: int, priors: PriorSettings) -> float:
-    """Log prior that these causes are among those of a table, whatever else is."""
-    sets = (_prior_of_count(j, priors) * comb(j, count) for j in range(count, competing + 1))
-    return float(np.log(sum(sets)) - np.log(comb(competing, count)))
-
-
 @dataclass
 class TableInference:
     """The inference of one table, without its columns.
 
     Attributes
     ----------
-    name : str
-    diagnosis : Diagnosis
-    table : Table
-    base : Base
     variants : list of Variant
         Forms that compete.
     skipped : mapping of str to str
@@ -71,7 +48,6 @@ class TableInference:
         Hypotheses, most probable first.
     threshold : float
         Probability of no effect below which an effect is claimed.
-    settings : Settings
     known : dict
         Likelihoods that were computed before.
     """
@@ -127,6 +103,17 @@ class TableInference:
         """Forms of this table that are a shared form."""
         return [v for v in self.variants if v.cause == form.cause and self._keys[id(v)] == form.key]
 
+    def shared(
+        self, forms: Sequence[SharedForm], hypothesis: Hypothesis
+    ) -> Iterator[tuple[SharedForm, slice, Array]]:
+        """Forms whose sizes a hypothesis of this table has: the places, and the unit of a shared size."""
+        by_cause = {form.cause: form for form in forms if form.names}
+        for variant, place in hypothesis.placed:
+            if (form := by_cause.get(variant.cause)) is not None:
+                count = len(form.names)
+                unit = np.array(form.scales) / np.array(variant.scales)
+                yield form, slice(place.start, place.start + count), unit
+
     @cached_property
     def _by_form(self) -> dict[tuple[str, tuple[object, ...]], set[int]]:
         """Positions of the hypotheses that have a shared form."""
@@ -167,7 +154,7 @@ class TableInference:
         priors, competing = self.settings.priors, len(self.competing)
         before = len(hypothesis.effects)
         after = len([v for v in rest if v.cause != UNKNOWN]) + len(chosen)
-        log = log_prior_of_set(after, competing, priors) - log_prior_of_set(before, competing, priors)
+        log = priors.log_of_set(after, competing) - priors.log_of_set(before, competing)
         weight = np.prod([v.weight for v in chosen])
         weight /= np.prod([v.weight for v in hypothesis.variants if v.cause in causes])
         return Hypothesis((*chosen, *rest), hypothesis.prior * float(np.exp(log) * weight))
@@ -192,8 +179,7 @@ class TableInference:
         fits = self.with_forms(forms)
         logs = np.array([fit.log_posterior for fit in fits])
         total = float(np.logaddexp.reduce(logs))
-        priors = self.settings.priors
-        given = log_prior_of_presence(len(forms), len(self.competing), priors)
+        given = self.settings.priors.log_of_presence(len(forms), len(self.competing))
         given += sum(np.log(form.weight) for form in forms)
         counts = [len(form.names) for form in forms]
         if not sum(counts):

@@ -5,13 +5,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from echocal.diagnose.findings.parts import Gain
-from echocal.diagnose.pooling.choice import Classes, choose
+from echocal.diagnose.findings.parts import Gain, Ladder
+from echocal.diagnose.pooling.choice import choose
 from echocal.diagnose.pooling.models import shared_model
 from echocal.diagnose.pooling.search import Pool, SharedSet
-from echocal.diagnose.validation.gain import HeldOut, errors, intervals
+from echocal.diagnose.validation.gain import HeldOut, errors, summarize
 from echocal.errors import DomainWarning
 from echocal.model import ResidualUncertainty
 
@@ -28,7 +27,6 @@ class Transfer:
     ----------
     causes : tuple of str
         That the others choose.
-    rows : int
     rms_before_m, rms_after_m : float
         Error of the base and of that model [m].
     """
@@ -40,7 +38,7 @@ class Transfer:
 
 
 def transfer(
-    pool: Pool, sets: Sequence[SharedSet], classes: Classes, causes: Sequence[str], seed: int
+    pool: Pool, sets: Sequence[SharedSet], causes: Sequence[str], seed: int
 ) -> tuple[Gain, tuple[Transfer, ...], ResidualUncertainty | None]:
     """Leave each table out once, and judge the model of the others on it.
 
@@ -49,7 +47,7 @@ def transfer(
     """
     before, after, distance, unit, each = [], [], [], [], []
     for place, table in enumerate(pool.tables):
-        chosen = choose(pool, sets, classes, without=place).best
+        chosen = choose(pool, sets, without=place).best
         others = [other for other in range(len(pool.tables)) if other != place]
         rows = table.table.rows
         every = np.ones(len(rows), dtype=bool)
@@ -62,38 +60,18 @@ def transfer(
         distance.append(rows.distance(table.base.model())[known])
         unit.append(table.table.unit[known] + sum(len(t.table) for t in pool.tables[:place]))
         ids = tuple(model.effects.keys() - table.base.effects.keys())
-        each.append(Transfer(ids, int(known.sum()), _rms(base[known]), _rms(extended[known])))
+        each.append(Transfer(ids, int(known.sum()), HeldOut(base[known]).rms, HeldOut(extended[known]).rms))
     one, other = (HeldOut(np.concatenate(parts)) for parts in (before, after))
     rho = max(table.diagnosis.noise["autoregression"] for table in pool.tables)
-    gained, removed = intervals(one, other, np.concatenate(unit), rho, seed, pool.settings.validation)
-    floor = _floor(pool, min(one.rms, other.rms))
-    reachable = one.rms**2 - floor**2
-    worth = reachable > pool.settings.validation.reachable * one.rms**2
-    rungs = [((), one.rms), *([(tuple(causes), other.rms)] if causes else [])]
-    gain = Gain(
-        rms_fixed_speed_m=None,
-        ladder=tuple(rungs),
-        rms_before_m=one.rms,
-        rms_after_m=other.rms,
-        rms_floor_m=floor,
-        held_out_rows=len(one.error),
-        fraction_of_reachable=(one.rms**2 - other.rms**2) / reachable if worth else None,
-        interval_95=gained,
-        variance_removed=1.0 - (other.rms / one.rms) ** 2 if one.rms > 0.0 else 0.0,
-        variance_removed_interval_95=removed,
-        scheme=SCHEME,
-    )
+    ladder: Ladder = (((), one.rms), *([(tuple(causes), other.rms)] if causes else []))
+    gain = summarize(None, ladder, one, other, _floor(pool), SCHEME, np.concatenate(unit), rho, seed)
     left = (other if causes and not other.rms > one.rms else one).error
     return gain, tuple(each), ResidualUncertainty.measured(left, np.concatenate(distance), 0.0, SCHEME)
 
 
-def _rms(error: NDArray[np.float64]) -> float:
-    return float(np.sqrt(np.mean(error**2))) if len(error) else np.nan
-
-
-def _floor(pool: Pool, most: float) -> float:
+def _floor(pool: Pool) -> float:
     """Floor of all rows, from the floors of the tables."""
     gains = [(t.diagnosis.gain, len(t.table.rows)) for t in pool.tables]
     known = [(gain.rms_floor_m**2, rows) for gain, rows in gains if gain is not None]
     total = sum(rows for _, rows in known)
-    return min(float(np.sqrt(sum(square * rows for square, rows in known) / max(total, 1))), most)
+    return float(np.sqrt(sum(square * rows for square, rows in known) / max(total, 1)))

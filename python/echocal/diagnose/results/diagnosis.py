@@ -11,9 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from echocal.diagnose.experiment_design.average import Estimate, averaged
-from echocal.diagnose.findings.parts import (
-    OF_THIS_TABLE,
-)
+from echocal.diagnose.findings.parts import OF_THIS_TABLE
 from echocal.diagnose.results.explain import explain
 from echocal.diagnose.results.outcome import Outcome
 from echocal.diagnose.results.smooth import refusal
@@ -28,6 +26,10 @@ if TYPE_CHECKING:
 __all__ = ["Diagnosis", "plain"]
 
 SCHEMA = "echocal.diagnosis/1"
+_TOLD = (
+    *("verdict", "causes", "posterior", "credible_set", "unexplained", "smooth", "remainder", "refuted"),
+    *("gain", "next_measurements", "rows", "base", "noise", "notes", "settings", "seconds"),
+)
 Column = NDArray[np.float64]
 
 
@@ -55,25 +57,11 @@ class Diagnosis(Shown, Outcome):
 
     def to_dict(self) -> dict[str, Any]:
         """As ``echocal.diagnosis/1``: plain lists, dictionaries, strings and finite numbers, else None."""
-        return {
-            "schema": SCHEMA,
-            "verdict": self.verdict,
-            "causes": [plain(cause) for cause in self.causes],
-            "posterior": [{"ids": list(ids), "probability": p} for ids, p in self.posterior],
-            "credible_set": [list(ids) for ids in self.credible_set],
-            "unexplained": None if self.unexplained is None else plain(self.unexplained),
-            "smooth": None if self.smooth is None else plain(self.smooth) | {"offered": self.smooth.offered},
-            "remainder": None if self.remainder is None else plain(self.remainder),
-            "refuted": [plain(refuted) for refuted in self.refuted],
-            "gain": None if self.gain is None else plain(self.gain),
-            "next_measurements": [plain(measurement) for measurement in self.next_measurements],
-            "rows": plain(self.rows),
-            "base": plain(self.base),
-            "noise": plain(self.noise),
-            "notes": list(self.notes),
-            "settings": self.settings.to_dict(),
-            "seconds": self.seconds,
-        }
+        said = {name: plain(getattr(self, name)) for name in _TOLD}
+        if self.smooth is not None:
+            said["smooth"]["offered"] = self.smooth.offered
+        sets = [{"ids": list(ids), "probability": p} for ids, p in self.posterior]
+        return {"schema": SCHEMA, **said, "posterior": sets, "settings": self.settings.to_dict()}
 
     def row_table(self) -> "DataFrame":
         """What became of each row of the source.

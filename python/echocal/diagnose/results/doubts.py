@@ -17,7 +17,6 @@ def doubts_about(case: Case, claim: Claim) -> Iterator[str]:
 
     Parameters
     ----------
-    case : Case
     claim : Claim
         A cause that the rows support.
     """

@@ -20,6 +20,7 @@ from echocal.registry import find_effect
 
 __all__ = ["notes"]
 
+_TENSION = 3.0  # standard uncertainties between the fitted and the theoretical size
 _SHOWN = 8  # columns, or steps of the level, that are listed
 
 
@@ -139,7 +140,7 @@ def _tension(case: Case, cause: str, validation: Validation, stack: Stack) -> st
     found = f"{size:.2f} +/- {uncertainty:.2f}"
     if uncertainty > 0.5 * abs(known):
         return "" if claimed else f"these rows cannot show {cause}: its size, if fitted, is {found}"
-    if claimed and abs(size - known) <= case.settings.claims.tension * uncertainty:
+    if claimed and abs(size - known) <= _TENSION * uncertainty:
         return ""
     return (
         f"{cause}, whose theoretical size is {known:g}, is {'' if claimed else 'not '}claimed. Its fitted "

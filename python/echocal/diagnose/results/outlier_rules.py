@@ -33,10 +33,8 @@ def outlier_rules(
         The table as it was read.
     reference : ndarray, shape (n,), or None
         Reference distances [m].
-    fates : Fates
     model : Model
         Of the diagnosis.
-    settings : Settings
     """
     used, off = fates.fate == USED, np.isin(fates.fate.astype(str), _OUTLIERS)
     if not off.any():

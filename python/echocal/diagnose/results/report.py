@@ -72,7 +72,7 @@ def report(
         verdict=word,
         causes=causes,
         posterior=tuple(joint.sets.items()),
-        credible_set=credible_set(joint),
+        credible_set=credible_set(joint.sets.items(), case.settings.claims.credible),
         unexplained=term and with_its_function(case, term, validation, judge, noise),
         smooth=smooth,
         remainder=shown,
@@ -105,7 +105,7 @@ def _causes(
     word: Verdict,
 ) -> tuple[Cause, ...]:
     recorded = Recorded(case.table.against())
-    others = alternatives(ranking, selection.every_claim) if word == "ambiguous" else []
+    others = alternatives(ranking, selection.claims) if word == "ambiguous" else []
     refuted = {one.id for one in validation.refuted}
     told = {claim.cause for claim in validation.claims}
     others = [claim for claim in others if claim.cause not in refuted | told]

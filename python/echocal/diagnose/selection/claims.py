@@ -12,25 +12,31 @@ from echocal.diagnose.candidates.variant import UNKNOWN, Candidates, Variant
 from echocal.diagnose.inference.alias import Geometry
 from echocal.diagnose.inference.hypothesis import Hypothesis, HypothesisFit, Stack, fit_hypothesis
 from echocal.diagnose.inference.posterior import preferred
+from echocal.diagnose.preprocess.base import Base
 from echocal.diagnose.selection.parsimony import Ids, probabilities
 from echocal.diagnose.settings import Settings
+from echocal.model import Model
 from echocal.quantities import QUANTITIES
 from echocal.registry import find_effect
 
 __all__ = [
+    "LISTED",
     "Claim",
     "Ranking",
     "alternatives",
     "claims",
     "columns_of",
-    "covariance_of",
     "effects_of",
+    "extended",
     "free_size",
     "rank",
     "without",
 ]
 
 Parameters = dict[str, dict[str, float]]
+
+LISTED = 1e-6
+"""Probability from which on a set of causes is listed."""
 
 
 @dataclass(frozen=True)
@@ -89,7 +95,7 @@ class Ranking:
         top = max(likely, key=lambda effects: (-_out_of_reach(effects), probability[effects]))
         same = [w for w in self.fits if w.hypothesis.effects == top]
         alike = [w for w in same if w.hypothesis.term == same[0].hypothesis.term]  # the same term
-        return preferred(alike, self.settings.search.form_preference)
+        return preferred(alike)
 
     def _next_larger(self, probability: Mapping[Ids, float], beyond: Ids) -> dict[Ids, float]:
         """Sets with the fewest further effects that are not improbable beside those with more."""
@@ -234,7 +240,15 @@ def columns_of(fit: HypothesisFit, only: Sequence[str] | None = None) -> dict[st
     return {q: name for v in causes if only is None or v.cause in only for q, name in v.bound}
 
 
-def covariance_of(fit: HypothesisFit, names: Sequence[str]) -> NDArray[np.float64]:
+def extended(base: Base, fit: HypothesisFit, only: Sequence[str] | None = None, **more: Any) -> Model:
+    """The base with these causes, and the covariance of their parameters; `more` goes to `Model`."""
+    effects = effects_of(fit, only)
+    names = base.model(effects).parameter_names
+    covariance = _covariance(fit, names) if names else None
+    return base.model(effects, covariance=covariance, columns=columns_of(fit, only), **more)
+
+
+def _covariance(fit: HypothesisFit, names: Sequence[str]) -> NDArray[np.float64]:
     """Covariance of a model's parameters; zero where theory fixes one."""
     entries: list[tuple[int, int, float]] = []  # parameter of the model, coefficient, scale
     for variant, place in fit.hypothesis.placed:
@@ -272,6 +286,6 @@ def without(hypothesis: Hypothesis, cause: str) -> Hypothesis:
 
 def posterior_sets(ranking: Ranking) -> dict[tuple[str, ...], float]:
     """Sets that are not too improbable to list, with probabilities that sum to one."""
-    kept = {ids: p for ids, p in ranking.sets if p >= ranking.settings.claims.listed_from}
+    kept = {ids: p for ids, p in ranking.sets if p >= LISTED}
     total = sum(kept.values())
     return {ids: p / total for ids, p in kept.items()}

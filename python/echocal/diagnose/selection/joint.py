@@ -9,7 +9,7 @@ from echocal.diagnose.inference.hypothesis import Stack
 from echocal.diagnose.noises import registry
 from echocal.diagnose.noises.common.findings import noise_findings
 from echocal.diagnose.noises.common.posterior import NoisePosterior
-from echocal.diagnose.selection.claims import Ranking, posterior_sets
+from echocal.diagnose.selection.claims import LISTED, Ranking, posterior_sets
 from echocal.diagnose.settings import Settings
 
 __all__ = ["Joint", "join"]
@@ -61,7 +61,7 @@ def join(
     values, outliers, quantization grids), so the probabilities multiply.
     """
     claims, never = ranking.settings.claims, ranking.settings.noises.split
-    least = claims.listed_from
+    least = LISTED
     sets: Sets = {}
     for ids, p in posterior_sets(ranking).items():
         fitted = shares.fitted_of(ids)

@@ -24,10 +24,7 @@ class Selection:
     ----------
     best : HypothesisFit
         The hypothesis whose causes are claimed, with the sizes that the model has.
-    every_claim : sequence of Claim
-        All claims.
     claims : sequence of Claim
-        Those that may enter the model.
     noise : Noise
         The most likely noise beside the best hypothesis.
     term : Unexplained or None
@@ -37,7 +34,6 @@ class Selection:
     """
 
     best: HypothesisFit
-    every_claim: Sequence[Claim]
     claims: Sequence[Claim]
     noise: Noise
     term: Unexplained | None
@@ -46,12 +42,10 @@ class Selection:
 
 def select(case: Case, ranking: Ranking, shares: NoisePosterior, reduced: Stack) -> Selection:
     """Claim the causes of the best hypothesis."""
-    settings = case.settings.claims
     slow = least_favorable(case, ranking, reduced)
-    best, every_claim = claim_or_not(case, ranking, reduced, shares, slow)
+    best, made = claim_or_not(case, ranking, reduced, shares, slow)
     noise, _ = reduced.likeliest(best)
     term = unexplained(case, ranking, slow)
     if term is not None:
-        every_claim = beside_a_term(every_claim, case.found, reduced, term, settings)
-    likely = [claim for claim in every_claim if claim.probability >= settings.modeled_at_all]
-    return Selection(best, every_claim, likely, noise, term, slow)
+        made = beside_a_term(made, case.found, reduced, term, case.settings.claims)
+    return Selection(best, made, noise, term, slow)

@@ -12,18 +12,14 @@ from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass, field, fields, is_dataclass, replace
 from typing import Any
 
-from echocal.diagnose.settings.causes import listed_thresholds
+from echocal.diagnose.settings.causes import Threshold, listed_thresholds
 from echocal.diagnose.settings.claims import ClaimSettings
 from echocal.diagnose.settings.faults import FaultSettings
-from echocal.diagnose.settings.fleet import FleetSettings
 from echocal.diagnose.settings.noise_models import NoiseModelSettings
 from echocal.diagnose.settings.noises import NoiseSettings
-from echocal.diagnose.settings.pooling import PoolingSettings
 from echocal.diagnose.settings.priors import PriorSettings, TermSettings
 from echocal.diagnose.settings.rows import RowSettings
-from echocal.diagnose.settings.search import SearchSettings
-from echocal.diagnose.settings.smooth import SmoothSettings
-from echocal.diagnose.settings.validation import ValidationSettings
+from echocal.diagnose.settings.several_tables import FleetSettings, PoolingSettings
 from echocal.errors import UsageError
 
 __all__ = [
@@ -35,11 +31,8 @@ __all__ = [
     "PoolingSettings",
     "PriorSettings",
     "RowSettings",
-    "SearchSettings",
     "Settings",
-    "SmoothSettings",
     "TermSettings",
-    "ValidationSettings",
     "table",
 ]
 
@@ -60,10 +53,7 @@ class Settings:
     priors: PriorSettings = field(default_factory=PriorSettings)
     terms: TermSettings = field(default_factory=TermSettings)
     noise_models: NoiseModelSettings = field(default_factory=NoiseModelSettings)
-    search: SearchSettings = field(default_factory=SearchSettings)
     claims: ClaimSettings = field(default_factory=ClaimSettings)
-    validation: ValidationSettings = field(default_factory=ValidationSettings)
-    smooth: SmoothSettings = field(default_factory=SmoothSettings)
     noises: NoiseSettings = field(default_factory=NoiseSettings)
     faults: FaultSettings = field(default_factory=FaultSettings)
     pooling: PoolingSettings = field(default_factory=PoolingSettings)
@@ -87,12 +77,8 @@ class Settings:
         return asdict(self)
 
 
-def table() -> Iterator[tuple[str, Any, str, str]]:
+def table() -> Iterator[Threshold]:
     """List all numbers: name, value, unit, and meaning with source.
-
-    Yields
-    ------
-    tuple
 
     Examples
     --------
@@ -100,8 +86,7 @@ def table() -> Iterator[tuple[str, Any, str, str]]:
     >>> next(value for name, value, *_ in table() if name == "claims.named")
     0.9
     """
-    for one in listed_thresholds(Settings()):
-        yield one.name, one.value, one.unit, one.source
+    return listed_thresholds(Settings())
 
 
 def _with(settings: Any, given: Any, name: str) -> Any:

@@ -2,7 +2,7 @@
 
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, field, fields, is_dataclass, replace
-from typing import TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 from echocal.diagnose.findings.facts import CauseFacts
 from echocal.errors import UsageError
@@ -12,20 +12,11 @@ __all__ = ["CauseSettings", "NoThresholds", "Threshold", "listed_thresholds"]
 T = TypeVar("T")
 
 
-@dataclass(frozen=True)
-class Threshold:
-    """One number that decides.
-
-    Attributes
-    ----------
-    name : str
-        Path inside the settings: ``crosstalk.least``.
-    value : float
-    unit, source : str
-    """
+class Threshold(NamedTuple):
+    """One number that decides; its name is the path inside the settings: ``crosstalk.least``."""
 
     name: str
-    value: float
+    value: Any
     unit: str
     source: str
 

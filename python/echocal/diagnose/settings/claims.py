@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from echocal.diagnose.settings.threshold import number
+from echocal.diagnose.settings.threshold import threshold
 
 __all__ = ["ClaimSettings"]
 
@@ -11,99 +11,83 @@ __all__ = ["ClaimSettings"]
 class ClaimSettings:
     """Numbers of the decision rule."""
 
-    claim_below: float = number(
+    claim_below: float = threshold(
         0.6,
         "P(no effect)",
         "below it an effect is claimed, even if each single effect is improbable; tested only if the best "
-        "set of effects is empty",
-        "chosen by hand on development tables; no script repeats it. The last benchmark has no false "
-        "alarm in the designs b and c; the target is 0.02",
+        "set of effects is empty; chosen by hand on development tables; no script repeats it. The last "
+        "benchmark has no false alarm in the designs b and c; the target is 0.02",
     )
-    claim_below_of_few: float = number(
+    claim_below_of_few: float = threshold(
         0.44,
         "P(no effect)",
         "the same, if there are too few rows to detect autocorrelated noise; then also under each single "
-        "autoregression of the noise",
-        "the prior of no cause: the data must support an effect. 539 nulls of design a were run, see "
-        "docs/method.md, section 7",
+        "autoregression of the noise; the prior of no cause: the data must support an effect. 539 nulls of "
+        "design a were run, see docs/method.md, section 7",
     )
-    possible_autoregression: float = number(
+    possible_autoregression: float = threshold(
         3.0,
         "log odds",
-        "an autoregression under which few rows are less probable by more, whatever acts, does not count",
+        "an autoregression under which few rows are less probable by more, whatever acts, does not count; "
         "argument: odds of 20, which count as strong evidence (doi:10.1080/01621459.1995.10476572)",
     )
-    few_rows: int = number(
-        100, "rows", "fewer rows are too few to detect autocorrelated noise", "chosen by hand"
+    few_rows: int = threshold(
+        100, "rows", "fewer rows are too few to detect autocorrelated noise; chosen by hand"
     )
-    claim_below_amid_noise: float = number(
+    claim_below_amid_noise: float = threshold(
         0.25,
         "P(no effect)",
-        "the same, if the noise is autocorrelated or the stations have errors",
-        "measured on 750 fresh nulls when claim_below was 0.44: half the false alarms at the same power; not "
-        "repeated since",
+        "the same, if the noise is autocorrelated or the stations have errors; measured on 750 fresh nulls "
+        "when claim_below was 0.44: half the false alarms at the same power; not repeated since",
     )
-    noisy_from: float = number(
-        0.5, "probability", "from it on, such noise counts as present", "more probable than not"
+    noisy_from: float = threshold(
+        0.5, "probability", "from it on, such noise counts as present; more probable than not"
     )
-    named: float = number(
-        0.9, "probability", "from it on, a class of causes is named", "promise of the interface"
+    named: float = threshold(
+        0.9, "probability", "from it on, a class of causes is named; promise of the interface"
     )
-    credible: float = number(0.95, "probability", "of the credible set", "convention")
-    separable: float = number(
+    credible: float = threshold(0.95, "probability", "of the credible set; convention")
+    separable: float = threshold(
         3.0,
         "expected log odds",
-        "below it two causes are in one class",
-        "argument: odds of 20, as for `confirmed`. On 110 tables of the virtual bench, 1.0 names 3 single "
-        "causes and a pair less, 3 confident wrong names more",
+        "below it two causes are in one class; argument: odds of 20, as for `confirmed`. On 110 tables of the "
+        "virtual bench, 1.0 names 3 single causes and a pair less, 3 confident wrong names more",
     )
-    plausible_size: float = number(
+    plausible_size: float = threshold(
         9.0,
         "prior sd",
-        "a cause that needs a larger size to imitate another one is separable from it",
-        "three standard deviations of the widest prior",
+        "a cause that needs a larger size to imitate another one is separable from it; three standard "
+        "deviations of the widest prior",
     )
-    nearly: float = number(
+    nearly: float = threshold(
         1 / 3,
         "of the largest probability",
-        "of the sets of causes above it, the one that most devices can compensate is taken",
-        "chosen by hand: such odds decide nothing in practice",
+        "of the sets of causes above it, the one that most devices can compensate is taken; chosen by hand: "
+        "such odds decide nothing in practice",
     )
-    modeled_at_all: float = number(
-        1e-3, "probability", "below it, a claim never enters the model", "chosen by hand: odds of 1 in 1,000"
-    )
-    mentioned_from: float = number(
+    mentioned_from: float = threshold(
         0.05,
         "probability",
-        "from it on, another possible cause is listed, and sets of effects beside larger ones are tried",
+        "from it on, another possible cause is listed, and sets of effects beside larger ones are tried; "
         "chosen by hand",
     )
-    unexplained_from: float = number(
-        0.5, "probability", "from it on, an unexplained term is reported", "more probable than not"
+    unexplained_from: float = threshold(
+        0.5, "probability", "from it on, an unexplained term is reported; more probable than not"
     )
-    confirmed: float = number(
+    confirmed: float = threshold(
         3.0,
         "log score",
-        "a cause beside others is named if the rows that judge the model are more probable with it by this",
+        "a cause beside others is named if the rows that judge the model are more probable with it by this; "
         "argument: odds of 20, which count as strong evidence (doi:10.1080/01621459.1995.10476572). In 28 "
         "logs of examples/make_snow.py with held-out rows, it withholds 2 of 3 false names and no true one",
     )
-    implausible: float = number(
+    implausible: float = threshold(
         5.0,
         "prior standard deviations",
-        "a cause with a larger size is not named; the model keeps it",
-        "argument: 1 in 31 sizes is larger by Eq. 6; the prior of an effect outside the catalogue is 1 in "
-        "20. Without it, 3 of 12 tanks whose thermometer is in the box get the name of a gain that is wrong",
+        "a cause with a larger size is not named; the model keeps it; argument: 1 in 31 sizes is larger by "
+        "Eq. 6; the prior of an effect outside the catalogue is 1 in 20. Without it, 3 of 12 tanks whose "
+        "thermometer is in the box get the name of a gain that is wrong",
     )
-    tension: float = number(
-        3.0,
-        "standard uncertainties",
-        "a larger difference between the fitted and the theoretical size is a note",
-        "chosen by hand",
-    )
-    reported_from: float = number(
-        0.5, "probability", "from it on, a noise or a fault is reported", "more probable than not"
-    )
-    listed_from: float = number(
-        1e-6, "probability", "from it on, a set of causes is listed", "one in a million is negligible"
+    reported_from: float = threshold(
+        0.5, "probability", "from it on, a noise or a fault is reported; more probable than not"
     )

@@ -91,18 +91,7 @@ class SharedFactor:
 
 @dataclass(frozen=True)
 class FaultSettings(CauseSettings):
-    """All numbers that decide about faults.
-
-    Attributes
-    ----------
-    accepted : float
-    listed : float
-    cap : float
-    far : FarRows
-    outliers : Outliers
-    constant : Constant
-    factor : SharedFactor
-    """
+    """All numbers that decide about faults."""
 
     accepted: float = threshold(
         0.5, "1", "probability from which on a table is repaired: more likely than not"

@@ -2,8 +2,7 @@
 
 from dataclasses import dataclass
 
-from echocal.diagnose.settings.priors import WIDEST
-from echocal.diagnose.settings.threshold import number
+from echocal.diagnose.settings.threshold import threshold
 
 __all__ = ["AUTOREGRESSIONS", "VARIANCE_FLOOR", "NoiseModelSettings"]
 
@@ -23,106 +22,66 @@ AUTOREGRESSIONS = (
 class NoiseModelSettings:
     """Grids and priors of the noise models."""
 
-    autoregressions: tuple[tuple[float, tuple[float, ...]], ...] = number(
+    autoregressions: tuple[tuple[float, tuple[float, ...]], ...] = threshold(
         AUTOREGRESSIONS,
         "1 per row",
-        "moving-average coefficients, each with the autoregressive coefficients that are tried",
-        "the specification requires a grid; its values are chosen by hand",
+        "moving-average coefficients, each with the autoregressive coefficients that are tried; the "
+        "specification requires a grid; its values are chosen by hand",
     )
-    station_ratios: tuple[float, ...] = number(
+    station_ratios: tuple[float, ...] = threshold(
         (0.0, 0.1, 1.0, 10.0),
         "1",
-        "ratio of the variance of the station errors to that of the innovations",
-        "chosen by hand",
+        "ratio of the variance of the station errors to that of the innovations; chosen by hand",
     )
-    level_ratios: tuple[float, ...] = number(
+    level_ratios: tuple[float, ...] = threshold(
         (0.0, 0.1, 1.0, 10.0, 100.0, 1000.0, 10000.0),
         "1",
-        "the same of errors by the levels of a column: targets may differ by centimeters",
-        "chosen by hand",
+        "the same of errors by the levels of a column: targets may differ by centimeters; chosen by hand",
     )
-    convection_rhos: tuple[float, ...] = number(
+    convection_rhos: tuple[float, ...] = threshold(
         (0.6, 0.8, 0.9, 0.95, 0.98),
         "1 per row",
-        "autoregressive coefficients of convection: warm cells of air in the path",
-        "chosen by hand",
+        "autoregressive coefficients of convection: warm cells of air in the path; chosen by hand",
     )
-    convection_growths: tuple[float, ...] = number(
+    convection_growths: tuple[float, ...] = threshold(
         (0.1, 0.3, 1.0, 3.0),
         "1/m",
-        "ratio of the variances of the autocorrelated and the white part, per meter of distance",
-        "Andreeva and Durgin 2005 give the law; the values are chosen by hand",
+        "ratio of the variances of the autocorrelated and the white part, per meter of distance; Andreeva "
+        "and Durgin 2005 give the law; the values are chosen by hand",
     )
-    whole_path_rhos: tuple[float, ...] = number(
+    whole_path_rhos: tuple[float, ...] = threshold(
         (0.6, 0.8, 0.9),
         "1 per row",
-        "the same of air that is alike along the whole path",
-        "argument: a thermometer follows what is slower; slower air looks like an error of scale",
+        "the same of air that is alike along the whole path; argument: a thermometer follows what is "
+        "slower; slower air looks like an error of scale",
     )
-    whole_path_growths: tuple[float, ...] = number(
+    whole_path_growths: tuple[float, ...] = threshold(
         (0.3, 1.0, 3.0, 10.0, 100.0),
         "1",
-        "and its ratio of variances at one meter; it grows with the square of the distance",
-        "chosen by hand",
+        "and its ratio of variances at one meter; it grows with the square of the distance; chosen by hand",
     )
-    white_growths: tuple[float, ...] = number(
+    white_growths: tuple[float, ...] = threshold(
         (0.1, 0.3, 1.0, 3.0, 10.0, 100.0),
         "1",
-        "the same without autocorrelation, where noise_growth is more probable than not",
-        "chosen by hand",
+        "the same without autocorrelation, where noise_growth is more probable than not; chosen by hand",
     )
-    slow_airs: tuple[float, ...] = number(
+    slow_airs: tuple[float, ...] = threshold(
         (0.1, 0.3),
         "K",
-        "standard deviation of the temperature along the path less that of the thermometer, where it changes",
-        "WMO-No. 8, annex 1.A: 0.1 K are achievable at the thermometer; layers of air beside it; judgement",
+        "standard deviation of the temperature along the path less that of the thermometer, where it "
+        "changes; WMO-No. 8, annex 1.A: 0.1 K are achievable at the thermometer; layers of air beside it; "
+        "judgement",
     )
-    no_slow_air: float = number(
-        0.5, "probability", "prior of no such change", "half for the usual assumption"
+    no_slow_air: float = threshold(
+        0.5, "probability", "prior of no such change; half for the usual assumption"
     )
-    slow_air_times: tuple[float, ...] = number(
+    slow_air_times: tuple[float, ...] = threshold(
         (600.0, 3600.0),
         "s",
-        "its correlation times, each with an equal part of its variance",
-        "judgement: a heater or a cloud, a room or the sun",
+        "its correlation times, each with an equal part of its variance; judgement: a heater or a cloud, a "
+        "room or the sun",
     )
-    slow_air_parts: int = number(
-        8, "1", "most functions of time that this difference is made of", "computing time"
+    white: float = threshold(
+        0.5, "probability", "prior of noise without autocorrelation; half for the usual assumption"
     )
-    slow_air_width: int = number(
-        250,
-        "columns",
-        "of a wider table no such difference is considered",
-        "memory: three times the products",
-    )
-    slow_air_least: float = number(
-        0.02, "1", "least part of its variance that a function has", "chosen by hand"
-    )
-    white: float = number(
-        0.5, "probability", "prior of noise without autocorrelation", "half for the usual assumption"
-    )
-    no_station_error: float = number(0.5, "probability", "prior of stations without errors", "the same")
-    distance_spread: float = number(
-        0.1,
-        "of the mean distance",
-        "with a smaller spread, distances do not show noise that grows with them",
-        "chosen by hand",
-    )
-    long_table: int = number(
-        20_000,
-        "rows",
-        "in a longer table, impossible noises are excluded first",
-        "computing time; tests/test_diagnose_autocorrelation.py checks the probabilities",
-    )
-    pruning: float = number(
-        300.0,
-        "log likelihood",
-        "a noise that is less likely by more, beside all columns at once, is not tried",
-        "argument: few columns cannot compensate more; the same test",
-    )
-    ridge_width: float = number(
-        WIDEST,
-        "prior sd",
-        "width of the prior when all columns are fitted at once",
-        "the widest of the prior widths",
-    )
+    no_station_error: float = threshold(0.5, "probability", "prior of stations without errors; the same")

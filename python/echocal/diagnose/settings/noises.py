@@ -10,19 +10,7 @@ __all__ = ["NoiseSettings"]
 
 @dataclass(frozen=True)
 class NoiseSettings(CauseSettings):
-    """All numbers that decide about noises.
-
-    Attributes
-    ----------
-    found, step_by_chance : float
-    harmless, negligible : float
-    sets, sets_alike, same_evidence, negligible_odds : float
-    segments, segment_rows : float
-    considered, worth, subtracted : float
-    scattered_part, scattered_apart, scattered_gain : float
-    autocorrelated, convection_behind : float
-    matters, split : float
-    """
+    """All numbers that decide about noises."""
 
     found: float = threshold(
         0.5, "1", "probability from which on a quantization counts as present: more likely than not"

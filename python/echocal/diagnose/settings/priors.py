@@ -1,8 +1,9 @@
 """Prior probabilities."""
 
+import math
 from dataclasses import dataclass
 
-from echocal.diagnose.settings.threshold import number
+from echocal.diagnose.settings.threshold import threshold
 
 __all__ = ["WIDEST", "WIDTHS", "PriorSettings", "TermSettings"]
 
@@ -17,57 +18,55 @@ WIDEST = WIDTHS[-1]
 class PriorSettings:
     """Priors of sets of causes and of laws. The prior of a size is in the facts of its cause."""
 
-    no_cause: float = number(0.44, "probability", "no cause", "chosen by hand")
-    one_cause: float = number(
-        0.45, "probability", "one cause, divided evenly among all causes that compete", "chosen by hand"
+    no_cause: float = threshold(0.44, "probability", "no cause; chosen by hand")
+    one_cause: float = threshold(
+        0.45, "probability", "one cause, divided evenly among all causes that compete; chosen by hand"
     )
-    two_causes: float = number(
-        0.1, "probability", "two causes, divided evenly among all pairs", "tuned on one real record"
+    two_causes: float = threshold(
+        0.1, "probability", "two causes, divided evenly among all pairs; tuned on one real record"
     )
-    three_causes: float = number(
+    three_causes: float = threshold(
         0.01,
         "probability",
-        "three causes; for each further cause, the prior falls by the same factor",
-        "chosen by hand",
+        "three causes; for each further cause, the prior falls by the same factor; chosen by hand",
     )
-    unexplained_term: float = number(
+    unexplained_term: float = threshold(
         0.05,
         "probability",
-        "an unexplained term beside any set of causes",
-        "tuned; small, because a cause is preferred",
+        "an unexplained term beside any set of causes; tuned; small, because a cause is preferred",
     )
-    tail_weight: float = number(
+    tail_weight: float = threshold(
         0.1,
         "1",
-        "weight of the wide prior of a size beside 1 for its usual prior; both are then divided by their sum",
-        "chosen by hand",
+        "weight of the wide prior of a size beside 1 for its usual prior; both are then divided by their "
+        "sum; chosen by hand",
     )
-    air_unknown: float = number(
+    air_unknown: float = threshold(
         0.003,
         "of the speed",
-        "standard deviation of the speed of sound where the temperature is the same in all rows",
-        "argument: 1 K is 0.17 %, a humidity that nobody recorded up to 0.6 % at 30 degC",
+        "standard deviation of the speed of sound where the temperature is the same in all rows; argument: "
+        "1 K is 0.17 %, a humidity that nobody recorded up to 0.6 % at 30 degC",
     )
-    law_uncertainty: float = number(
+    law_uncertainty: float = threshold(
         300e-6 / 3**0.5,
         "of the reading",
-        "standard uncertainty of the level and of the tilt of a law",
-        "Cramer 1993 states limits of 300 ppm; GUM 4.3.7 makes limits a standard deviation",
+        "standard uncertainty of the level and of the tilt of a law; Cramer 1993 states limits of 300 ppm; "
+        "GUM 4.3.7 makes limits a standard deviation",
     )
-    law_middle: float = number(
+    law_middle: float = threshold(
         15.0,
         "degC",
-        "temperature at which a law's tilt is zero; the tilt is one standard deviation at 0 and 30 degC",
+        "temperature at which a law's tilt is zero; the tilt is one standard deviation at 0 and 30 degC; "
         "middle of the range of Cramer's limits",
     )
-    usual_multiple: float = number(
+    usual_multiple: float = threshold(
         WIDEST,
         "prior sd",
-        "a cause that does not show at so many prior standard deviations does not compete",
-        "the widest of the three prior widths",
+        "a cause that does not show at so many prior standard deviations does not compete; the widest of "
+        "the three prior widths",
     )
-    fewest_snr: float = number(
-        0.5, "snr sqrt(n)", "with a smaller signal-to-noise ratio, a cause does not show", "chosen by hand"
+    fewest_snr: float = threshold(
+        0.5, "snr sqrt(n)", "with a smaller signal-to-noise ratio, a cause does not show; chosen by hand"
     )
 
     @property
@@ -75,43 +74,35 @@ class PriorSettings:
         """Priors of zero, one, two and three causes."""
         return [self.no_cause, self.one_cause, self.two_causes, self.three_causes]
 
+    def of_counts(self, most: int) -> list[float]:
+        """Priors of zero to so many causes; each after the third divides the prior by ten."""
+        return [*self.counts, *(self.three_causes * 0.1**n for n in range(1, most - 2))][: most + 1]
+
+    def log_of_set(self, count: int, competing: int) -> float:
+        """Log prior of one set of so many causes: docs/method.md, Eq. 7 and 8, without forms and terms."""
+        if count > competing:
+            return -math.inf
+        return math.log(self.of_counts(count)[count]) - math.log(math.comb(competing, count))
+
+    def log_of_presence(self, count: int, competing: int) -> float:
+        """Log prior that so many causes are among those of a table, whatever else is."""
+        sets = (p * math.comb(j, count) for j, p in enumerate(self.of_counts(competing)))
+        return math.log(sum(sets)) - math.log(math.comb(competing, count))
+
 
 @dataclass(frozen=True, kw_only=True)
 class TermSettings:
     """Unexplained terms: smooth functions without a cause that compete with the causes."""
 
-    size: float = number(
+    size: float = threshold(
         3e-3,
         "m",
         "prior standard deviation of the constant, of degree 1 and of the first harmonic; divided by k for "
-        "degree or harmonic k",
-        "twice the noise of an HC-SR04, 1.5 mm; the division by k is chosen by hand",
+        "degree or harmonic k; twice the noise of an HC-SR04, 1.5 mm; the division by k is chosen by hand",
     )
-    degrees: tuple[int, ...] = number(
-        (4, 16),
-        "1",
-        "degrees of the polynomials against a column",
-        "tuned on the benchmark's unknown effects",
+    degrees: tuple[int, ...] = threshold(
+        (4, 16), "1", "degrees of the polynomials against a column; tuned on the benchmark's unknown effects"
     )
-    values_per_degree: int = number(
-        2,
-        "distinct values",
-        "needed for each degree",
-        "argument: with fewer values, a term would fit an error of each value",
-    )
-    fewest_values: int = number(
-        6,
-        "distinct values",
-        "with fewer, there is no term, or a line if it is no known quantity",
-        "chosen by hand",
-    )
-    rows_of_a_value: int = number(
-        8, "rows", "have the least, and the largest, value of a column of few values", "chosen by hand"
-    )
-    harmonics: int = number(2, "1", "harmonics of the day", "chosen by hand")
-    fewest_days: float = number(
-        2.0, "d", "if a table spans more, a term against the hour of the day is tried", "chosen by hand"
-    )
-    range: tuple[float, float] = number(
-        (0.005, 0.995), "quantiles", "range of a column for which a term is made", "chosen by hand"
+    range: tuple[float, float] = threshold(
+        (0.005, 0.995), "quantiles", "range of a column for which a term is made; chosen by hand"
     )

@@ -3,15 +3,15 @@
 from dataclasses import field
 from typing import Any
 
-__all__ = ["number", "threshold"]
+__all__ = ["threshold"]
 
 
-def threshold(value: float, unit: str, source: str) -> Any:
+def threshold(value: Any, unit: str, source: str) -> Any:
     """Field of a settings class.
 
     Parameters
     ----------
-    value : float
+    value : float or tuple
         Default.
     unit : str
         SI; ``"1"`` for a pure number.
@@ -19,8 +19,3 @@ def threshold(value: float, unit: str, source: str) -> Any:
         Meaning and source of the number.
     """
     return field(default=value, metadata={"unit": unit, "source": source})
-
-
-def number(value: Any, unit: str, meaning: str, source: str) -> Any:
-    """The same, with meaning and source as two texts; the value may be a tuple."""
-    return threshold(value, unit, f"{meaning}; {source}")

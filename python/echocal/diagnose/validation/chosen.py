@@ -11,6 +11,8 @@ from echocal.diagnose.selection.select import Selection, select
 
 __all__ = ["chosen"]
 
+_UNLISTED = 1e-3  # probability that the least probable hypotheses share, which a fold leaves out
+
 
 def chosen(case: Case, tried: Collection[FittedNoise]) -> Selection:
     """Choose causes as `echocal.diagnose.pipeline.run` does, on the blocks that the case may see.
@@ -24,7 +26,7 @@ def chosen(case: Case, tried: Collection[FittedNoise]) -> Selection:
     tried : collection of FittedNoise
         Noises that compete.
     """
-    inference = infer(case, case.settings.search.unlisted_in_folds)
+    inference = infer(case, _UNLISTED)
     shares = infer_noises(case, inference.fits, inference.reduced, tried)
     ranking = rank(shares.fits, case.found.competing, case.settings)
     return select(case, ranking, shares, inference.reduced)

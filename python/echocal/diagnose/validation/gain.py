@@ -14,16 +14,20 @@ from echocal.diagnose.inference.case import Case
 from echocal.diagnose.inference.noise import VARIANCE_FLOOR, Noise
 from echocal.diagnose.preprocess.folds import Folds, Rows
 from echocal.diagnose.preprocess.table import Table, levels
-from echocal.diagnose.settings import ValidationSettings
+from echocal.diagnose.settings.priors import WIDEST
 from echocal.model import Model
 
 __all__ = [
+    "INTERVAL",
+    "REACHABLE",
     "HeldOut",
     "errors",
     "fixed_speed_rms",
     "floor",
+    "intervals",
     "measure",
     "on_common_rows",
+    "pieces_of",
     "summarize",
 ]
 
@@ -34,6 +38,18 @@ Labels = NDArray[np.int64]
 Interval = tuple[float, float]
 
 _CACHED = 32_768  # rows whose differences fit into the cache of a processor
+
+
+INTERVAL = 0.95
+"""Probability of the intervals of the gain and of the log score."""
+
+REACHABLE = 0.02
+"""Of the mean square before: if less can be removed, there is no gain to reach."""
+
+_RESAMPLES = 2000  # of the pieces
+_PIECES = 40  # most pieces
+_FEWEST_PIECES = 5  # the folds; there are not fewer, however long the memory is
+_MEMORIES = 2.0  # times 1 / (1 - autoregression) units in a piece: exp(-2) of the autocorrelation is left
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,7 +145,7 @@ def fixed_speed_rms(table: Table, folds: Folds, speed: Column) -> float:
 
 
 def intervals(
-    before: HeldOut, after: HeldOut, unit: Labels, rho: float, seed: int, settings: ValidationSettings
+    before: HeldOut, after: HeldOut, unit: Labels, rho: float, seed: int
 ) -> tuple[Interval, Interval]:
     """Intervals of the decrease of the RMS error [m] and of the part of the mean square that is removed.
 
@@ -141,24 +157,28 @@ def intervals(
     count = len(begins)
     if count == 0:  # no row that judges has a level
         return (0.0, 0.0), (0.0, 0.0)
-    pieces = int(count * (1.0 - rho) / settings.memories)
-    pieces = min(max(settings.fewest_pieces, min(pieces, settings.pieces)), count)
+    pieces = pieces_of(count, rho)
     firsts = np.append(begins, judged.sum())[-(-np.arange(pieces + 1) * count // pieces)]
     rows = np.diff(firsts)
     errors = [held.error if judged.all() else held.error[judged] for held in (before, after)]
     squares = [np.array([_squares(piece) for piece in np.split(error, firsts[1:-1])]) for error in errors]
-    drawn = np.random.default_rng(seed).integers(len(rows), size=(settings.resamples, len(rows)))
-    places = drawn + len(rows) * np.arange(settings.resamples)[:, None]
-    counts = np.bincount(places.ravel(), minlength=places.size).reshape(settings.resamples, -1)
+    drawn = np.random.default_rng(seed).integers(len(rows), size=(_RESAMPLES, len(rows)))
+    places = drawn + len(rows) * np.arange(_RESAMPLES)[:, None]
+    counts = np.bincount(places.ravel(), minlength=places.size).reshape(_RESAMPLES, -1)
     total = counts @ rows
     first, second = (counts @ square / total for square in squares)
     removed = 1.0 - np.divide(second, first, out=np.ones_like(first), where=first > 0.0)
-    tail = 0.5 * (1 - settings.interval)
+    tail = 0.5 * (1 - INTERVAL)
     figures = np.array([np.sqrt(first) - np.sqrt(second), removed])
     ends = np.quantile(figures, [tail, 1 - tail], axis=1)
     middle = figures.mean(axis=1)
     low, high = (middle + _for_few(pieces, tail) * (ends - middle)).tolist()
     return (low[0], high[0]), (low[1], high[1])
+
+
+def pieces_of(units: int, rho: float = 0.0) -> int:
+    """Number of contiguous pieces of units that are nearly independent."""
+    return min(max(_FEWEST_PIECES, min(int(units * (1.0 - rho) / _MEMORIES), _PIECES)), units)
 
 
 def _for_few(pieces: int, tail: float) -> float:
@@ -181,13 +201,13 @@ def _squares(values: Column) -> float:
 def floor(case: Case, variance: float) -> float:
     """Error that all columns together reach on the rows of the folds, without what chance removes [m].
 
-    From a ridge regression whose prior has `ridge_width` times the standard deviation of the priors. The
+    From a ridge regression whose prior is three times as wide as the priors. The
     residual sum of squares is divided by the rows less the effective number of coefficients. It is R_f of
     docs/method.md, Eq. 31.
     """
     sums, held = case.sums, case.folds.judged
     white = case.without_slow_air(sums.whiten(Noise(0.0, 0.0, 0.0, 1.0), held).products)
-    width = case.settings.noise_models.ridge_width
+    width = WIDEST
     given = (sums.degrees(held), variance, VARIANCE_FLOOR**2, width)
     within = float(np.mean(case.table.deviation**2))  # of rows inside of units no column explains any
     return float(np.sqrt(_core.residual_variance(white, *given) + within))
@@ -203,15 +223,14 @@ def summarize(
     unit: Labels,
     rho: float,
     seed: int,
-    settings: ValidationSettings,
 ) -> Gain:
     """Put the errors together: docs/method.md, Eq. 31; `rho` is the autoregression of the noise of units."""
     before, after = on_common_rows(before, after)
     judged = int(before.known.sum())
     rms_floor = min(rms_floor, before.rms, after.rms)
     reachable = before.rms**2 - rms_floor**2
-    gained, removed = intervals(before, after, unit, rho, seed, settings)
-    worth = reachable > settings.reachable * before.rms**2  # else there is no gain to reach
+    gained, removed = intervals(before, after, unit, rho, seed)
+    worth = reachable > REACHABLE * before.rms**2  # else there is no gain to reach
     return Gain(
         rms_fixed_speed_m=rms_fixed,
         ladder=ladder,

@@ -8,7 +8,8 @@ from echocal.diagnose.findings.parts import Remainder, SmoothCorrection
 from echocal.diagnose.inference.case import Case
 from echocal.diagnose.inference.noise import VARIANCE_FLOOR, Noise
 from echocal.diagnose.selection.claims import Ranking
-from echocal.diagnose.validation.turns import in_turns
+from echocal.diagnose.settings.priors import WIDEST
+from echocal.diagnose.validation.turns import FAR, FAR_FROM_CHANCE, in_turns
 from echocal.diagnose.validation.validate import Validation
 
 __all__ = ["explained", "remainder"]
@@ -37,19 +38,19 @@ def remainder(
     Remainder or None
         None if neither the columns nor rows that take turns remove enough.
     """
-    gain, settings = judgment.gain, case.settings.smooth
+    gain = judgment.gain
     none = sum(p for ids, p in ranking.sets if not ids)
     if turns := in_turns(case, judgment.model):
         found = turns.rms_m, turns.p_value, turns.degrees
         return Remainder(gain.rms_after_m, *found, none, (), by_chance=False, turns=turns.said)
     offered = smooth is not None and smooth.offered
-    far = gain.rms_after_m**2 - gain.rms_floor_m**2 > settings.far * gain.rms_after_m**2
+    far = gain.rms_after_m**2 - gain.rms_floor_m**2 > FAR * gain.rms_after_m**2
     if not far and not offered:
         return None
     (products,) = case.whitened(noise, case.folds.fit).products
-    width = case.settings.noise_models.ridge_width
+    width = WIDEST
     p_value, degrees = explained(products, case.sums.degrees(case.folds.fit), width)
-    by_chance = p_value >= settings.far_from_chance and not offered
+    by_chance = p_value >= FAR_FROM_CHANCE and not offered
     against = tuple(case.found.terms)
     return Remainder(gain.rms_after_m, gain.rms_floor_m, p_value, degrees, none, against, by_chance)
 

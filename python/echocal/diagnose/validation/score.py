@@ -11,8 +11,7 @@ from echocal import _core
 from echocal.diagnose.inference.noise import VARIANCE_FLOOR, WHITE, Noise
 from echocal.diagnose.preprocess.folds import Folds
 from echocal.diagnose.preprocess.order import Order
-from echocal.diagnose.settings import ValidationSettings
-from echocal.diagnose.validation.gain import HeldOut
+from echocal.diagnose.validation.gain import INTERVAL, HeldOut, pieces_of
 
 __all__ = ["Score", "score"]
 
@@ -38,17 +37,17 @@ class Score:
         """The sum over rows."""
         return float(self.of_rows.sum())
 
-    def interval(self, settings: ValidationSettings) -> tuple[float, float]:
+    def interval(self) -> tuple[float, float]:
         """Interval of the sum, from the variance between contiguous pieces: docs/method.md, Eq. 49."""
         count = len(self.of_rows)
         if not count:
             return 0.0, 0.0
-        pieces = min(max(settings.fewest_pieces, min(int(count / settings.memories), settings.pieces)), count)
+        pieces = pieces_of(count)
         firsts = -(-np.arange(pieces) * count // pieces)
         sums = np.add.reduceat(self.of_rows, firsts)
         if pieces < 2:
             return -np.inf, np.inf
-        half = stdtrit(pieces - 1, 0.5 + 0.5 * settings.interval) * np.sqrt(pieces) * float(sums.std(ddof=1))
+        half = stdtrit(pieces - 1, 0.5 + 0.5 * INTERVAL) * np.sqrt(pieces) * float(sums.std(ddof=1))
         return float(sums.sum() - half), float(sums.sum() + half)
 
 

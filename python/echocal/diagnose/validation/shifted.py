@@ -25,6 +25,8 @@ Column = NDArray[np.float64]
 Labels = NDArray[np.int64]
 
 _ALONG = ("distance", *(name for name, facts in QUANTITIES.items() if facts.judged_outside))
+_INNER = (0.2, 0.8)  # quantiles: the model is fitted inside, and its error is measured outside
+_FEWEST = 5  # distinct values of a column that has a middle range
 _MOST, _RUN = 100_000, 1000  # most rows that are used, and rows of a run
 
 
@@ -66,9 +68,9 @@ def _along(
     seen: Labels,
 ) -> Shifted | None:
     """Fit to the middle range of one column, given at the rows that are used."""
-    if np.isnan(column).any() or not _varies(column, case.settings.validation.shifted_values):
+    if np.isnan(column).any() or not _varies(column, _FEWEST):
         return None
-    low, high = quantiles(column, case.settings.validation.shifted_inner)
+    low, high = quantiles(column, _INNER)
     middle = (low <= column) & (column <= high)
     inside, outside = seen[middle], seen[~middle]
     if min(len(inside), len(outside)) < case.settings.rows.fewest:

@@ -11,7 +11,7 @@ from echocal.diagnose.findings.parts import SmoothCorrection
 from echocal.diagnose.inference.case import Case
 from echocal.diagnose.inference.noise import Noise
 from echocal.diagnose.inference.smoothing import Smoother, values_of
-from echocal.diagnose.validation.gain import errors, intervals, on_common_rows
+from echocal.diagnose.validation.gain import REACHABLE, errors, intervals, on_common_rows
 from echocal.diagnose.validation.judges import Judge
 from echocal.diagnose.validation.residual_uncertainty import residual_uncertainty
 from echocal.diagnose.validation.validate import Validation
@@ -48,9 +48,9 @@ def smooth_correction(
     """
     gain = judgment.gain
     reachable = gain.rms_after_m**2 - gain.rms_floor_m**2
-    if not reachable > case.settings.validation.reachable * gain.rms_after_m**2:
+    if not reachable > REACHABLE * gain.rms_after_m**2:
         return None
-    able = splines(case.table, case.found.terms, case.settings.terms, case.settings.smooth)
+    able = splines(case.table, case.found.terms, case.settings.terms)
     if not able:
         return None
     models = judge.models(judgment.fitted, kept=bool(judgment.kept))
@@ -70,7 +70,7 @@ def smooth_correction(
 
     before, after = on_common_rows(judge.extended(models), judge.extended(extended))
     unit = case.table.unit if judge.held is None else judge.held.unit
-    gained, removed = intervals(before, after, unit, noise.rho, case.seed, case.settings.validation)
+    gained, removed = intervals(before, after, unit, noise.rho, case.seed)
     given = {spline.against: values_of(case.table, spline.against) for spline in able}
     judging = case.table if judge.held is None else judge.held
     residual = residual_uncertainty(judging.rows, judgment.model, after, judge.scheme)

@@ -9,15 +9,24 @@ from scipy.special import fdtrc
 
 from echocal.diagnose.findings.sentences import enumerated
 from echocal.diagnose.inference.case import Case
+from echocal.diagnose.inference.smoothing import MOST_ROWS
 from echocal.diagnose.preprocess.table import Table, levels
 from echocal.model import Model
 
-__all__ = ["Turns", "in_turns"]
+__all__ = ["FAR", "FAR_FROM_CHANCE", "Turns", "in_turns"]
 
 Column = NDArray[np.float64]
 Labels = NDArray[np.int64]
 
-_MOST = 4
+FAR = 0.5
+"""Part of the mean square of an error, more of which is no noise."""
+
+FAR_FROM_CHANCE = 1e-5
+"""Probability below which an error is not left to chance."""
+
+_MOST = 4  # turns
+_ROWS_OF_A_TURN = 8  # of each, where rows are tried for a period in their order
+_OTHER = 0.1  # of the variance of a column between the turns, from which on it may be the reason
 
 
 class Turns(NamedTuple):
@@ -49,27 +58,27 @@ def in_turns(case: Case, model: Model) -> Turns | None:
     case : Case
     model : Model
     """
-    table, settings = case.table.rows, case.settings.smooth
-    first = slice(0, settings.most_rows)  # enough of a long table
+    table = case.table.rows
+    first = slice(0, MOST_ROWS)  # enough of a long table
     left = _left(table, model, first)
     known = np.isfinite(left)
     left, row, count = left[known], table.row[first][known], int(known.sum())
     for period in range(2, _MOST + 1):
         turn = row % period
         members = np.bincount(turn, minlength=period)
-        if members.min() < settings.rows_of_a_turn:
+        if members.min() < _ROWS_OF_A_TURN:
             return None
         mean = np.bincount(turn, left, minlength=period) / members
         within = float(np.sum((left - mean[turn]) ** 2))
         total = float(np.sum((left - left.mean()) ** 2))
-        if not total - within > settings.far * total:
+        if not total - within > FAR * total:
             continue
         others = (column[first][known] for column in _recorded(case))
-        if any(_share(column, turn, members) > settings.other_turns for column in others):
+        if any(_share(column, turn, members) > _OTHER for column in others):
             return None  # stations that take turns, or a column that tells the rows apart
         degrees = float(period - 1), float(count - period)
         p_value = float(fdtrc(*degrees, (total - within) / degrees[0] / (max(within, 1e-300) / degrees[1])))
-        if p_value < settings.far_from_chance:
+        if p_value < FAR_FROM_CHANCE:
             rms = float(np.sqrt(within / count))
             return Turns(_sentence(period, mean, row, turn, rms), rms, degrees, p_value)
     return None

@@ -1,6 +1,6 @@
 """Validation of the claims, and the gain of those that are kept."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, field, replace
 
 import numpy as np
@@ -12,9 +12,7 @@ from echocal.diagnose.inference.hypothesis import HypothesisFit, Stack, fit_hypo
 from echocal.diagnose.preprocess.table import Table
 from echocal.diagnose.selection.claims import (
     Claim,
-    columns_of,
-    covariance_of,
-    effects_of,
+    extended,
     parameters,
     without,
 )
@@ -108,7 +106,7 @@ def validate(case: Case, selection: Selection, judge: Judge, stack: Stack) -> Va
     withheld: tuple[Claim, ...] = ()
     doubts: dict[str, str] = {}
     if rest.kept and not gain.earned:
-        low, _ = (score or Score(np.zeros(0))).interval(case.settings.validation)
+        low, _ = (score or Score(np.zeros(0))).interval()
         if _larger(rest.after, before) and not low > 0.0:
             refuted = _refuted(rest, before, gain.log_score)
         else:
@@ -116,11 +114,14 @@ def validate(case: Case, selection: Selection, judge: Judge, stack: Stack) -> Va
         rest = _base_alone(rest, before)
         gain = _gain(trials, judge, rest, before, selection)
     fit = _fit(trials, rest, selection)
+    kept = [claim.cause for claim in rest.kept]
+    origin = {"made_by": "echocal diagnose", "rows": len(case.table.rows), "gain": asdict(gain)}
+    model = extended(case.base_in_air, _uncertain(fit, rest, stack), kept, provenance=origin)
     return Validation(
         rest.kept,
         refuted,
         fit,
-        _measured(trials, judge, rest, _extended(case, _uncertain(fit, rest, stack), rest.kept, gain)),
+        _measured(trials, judge, rest, model),
         gain,
         trials.fitted(rest.hypothesis, rest.kept),
         withheld,
@@ -186,7 +187,7 @@ def _gain(
     score: Score | None = None,
 ) -> Gain:
     """The gain of the base with some claims."""
-    case, settings = trials.case, trials.case.settings
+    case = trials.case
     fixed = any(c.cause == "fixed_speed" for c in rest.kept) or case.base.device_speed is not None
     variance = _fit(trials, rest, selection).variance
     gain = summarize(
@@ -199,27 +200,13 @@ def _gain(
         case.table.unit if judge.held is None else judge.held.unit,
         selection.noise.rho,
         case.seed,
-        settings.validation,
     )
     if score is not None and rest.kept:
         visits = case.table.members is not None
-        interval = None if visits else score.interval(settings.validation)
+        interval = None if visits else score.interval()
         gain = replace(gain, log_score=score.total, log_score_interval_95=interval)
     ids = [claim.cause for claim in rest.kept]
     return replace(gain, shifted=shifted(case, rest.hypothesis, ids, selection.noise))
-
-
-def _extended(case: Case, fit: HypothesisFit, kept: Sequence[Claim], gain: Gain) -> Model:
-    """Base and kept causes; where the air is not measured, the model assumes the recorded medians."""
-    base = replace(case.base, air={**case.base.air, **case.table.air()})
-    effects = effects_of(fit, [c.cause for c in kept])
-    names = base.model(effects).parameter_names
-    return base.model(
-        effects,
-        columns=columns_of(fit, [c.cause for c in kept]),
-        covariance=covariance_of(fit, names) if names else None,
-        provenance={"made_by": "echocal diagnose", "rows": len(case.table.rows), "gain": asdict(gain)},
-    )
 
 
 def _ladder(trials: Trials, judge: Judge, rest: Rest, before: HeldOut) -> Ladder:

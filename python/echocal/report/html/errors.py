@@ -7,7 +7,7 @@ from plotly.subplots import make_subplots
 
 from echocal.diagnose import Diagnosis
 from echocal.diagnose.findings.sentences import shown
-from echocal.diagnose.results.followed import by_correlation, is_finer, left_out_at, limits
+from echocal.panels import by_correlation, is_finer, left_out_at, limits
 from echocal.report.html.figures import AFTER, BEFORE, MOST, QUIET, styled
 
 __all__ = ["distance_figure", "over_figure", "time_figure", "truth_figure"]

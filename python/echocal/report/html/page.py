@@ -19,9 +19,9 @@ from echocal.diagnose.results.explain import (
     rivals_of,
     without_a_cause,
 )
-from echocal.diagnose.results.followed import drawn_columns
 from echocal.model.document import text_of
 from echocal.outputs import replace_text
+from echocal.panels import drawn_columns
 from echocal.report.html.document import Drawn, drawn, rendered
 
 __all__ = ["report_page", "save_report"]

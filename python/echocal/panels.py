@@ -1,4 +1,4 @@
-"""Which recorded columns the change by a model follows, and the bins in which that is seen."""
+"""What the pictures of a diagnosis show: the columns that the change by its model follows, in bins."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,10 +32,6 @@ def by_correlation(diagnosis: Diagnosis) -> list[str]:
 
     The first one is the column that a sentence about the whole change would name.
 
-    Parameters
-    ----------
-    diagnosis : Diagnosis
-
     Returns
     -------
     list of str
@@ -55,7 +51,6 @@ def drawn_columns(diagnosis: Diagnosis, most: int) -> list[str]:
 
     Parameters
     ----------
-    diagnosis : Diagnosis
     most : int
         Number of columns, 1 at least.
     """

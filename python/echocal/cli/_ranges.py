@@ -1,0 +1,35 @@
+"""The ranges of ``--can-vary``."""
+
+from collections.abc import Iterable
+
+from echocal.errors import UsageError
+
+__all__ = ["parsed_ranges"]
+
+
+def parsed_ranges(texts: Iterable[str]) -> dict[str, tuple[float, float]]:
+    """Read several ranges, each of another condition."""
+    ranges: dict[str, tuple[float, float]] = {}
+    for text in texts:
+        name, ends = _parsed(text)
+        if name in ranges:
+            low, high = ranges[name]
+            message = (
+                f"--can-vary gives {name} twice: {low:g}:{high:g} and {ends[0]:g}:{ends[1]:g}; give one range"
+            )
+            raise UsageError(message)
+        ranges[name] = ends
+    return ranges
+
+
+def _parsed(text: str) -> tuple[str, tuple[float, float]]:
+    """Read ``distance=0.2:4``."""
+    name, equals, ends = text.partition("=")
+    low, colon, high = ends.partition(":")
+    try:
+        if equals and colon:
+            return name, (float(low), float(high))
+    except ValueError:
+        pass
+    message = f"--can-vary '{text}' is not a range such as distance=0.2:4"
+    raise UsageError(message)
