@@ -4,11 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from echocal.diagnose.faults.common.fault import Fault
+from echocal.diagnose.faults.common.fault import Fault, Found
 from echocal.diagnose.faults.common.values import recorded
 from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
-from echocal.diagnose.findings.finding import Finding
-from echocal.diagnose.findings.parts import Parameter
 from echocal.diagnose.preprocess.view import View
 from echocal.diagnose.settings.faults import FaultSettings
 from echocal.diagnose.settings.threshold import threshold
@@ -54,9 +52,8 @@ FACTS = CauseFacts(
 )
 
 
-def detect(view: View, settings: FaultSettings) -> Finding | None:
+def detect(view: View, own: Thresholds, settings: FaultSettings) -> Found | None:
     """Ask whether the largest reading repeats and nothing that should be beyond it is."""
-    own = settings.of(FACTS, Thresholds)
     reference = view.reference
     if reference is None or not view.good.any():
         return None
@@ -96,12 +93,9 @@ def detect(view: View, settings: FaultSettings) -> Finding | None:
         f"{float(reference[view.good].max()):.3f} m; the {int(rows.sum())} rows from "
         f"{float(reference[rows].min()):.3f} m on are left out, so that clipping biases nothing"
     )
-    parameters = (Parameter("limit", limit, 0.0, "m"), Parameter("rows", float(count), 0.0, "1"))
-    evidence = float(min(evidence, settings.cap))
     quantity = "echo_time" if view.observations.reading is None else "reading"
     rules = (RowRule(reason=FACTS.id, kind="at least", quantity=quantity, value=top),)
-    repaired = view.without(rows, FACTS.id)
-    return Finding(FACTS, evidence, because, parameters, rows, repaired, rules=rules)
+    return Found(rows, evidence, because, (limit, count), rules=rules)
 
 
 def spoil(table: Columns, random: np.random.Generator) -> None:

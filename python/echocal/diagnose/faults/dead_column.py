@@ -1,23 +1,19 @@
 """A sensor of an influence quantity that gave no value at all."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.diagnose.faults.common.fault import Fault
+from echocal.diagnose.faults.common.fault import Fault, Found
+from echocal.diagnose.faults.common.repair import with_values
 from echocal.diagnose.faults.common.values import POWER_ON
 from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
-from echocal.diagnose.findings.finding import Finding
-from echocal.diagnose.findings.parts import Parameter
 from echocal.diagnose.preprocess.view import View
 from echocal.diagnose.settings.faults import FaultSettings
 from echocal.diagnose.settings.threshold import threshold
 from echocal.errors import DataError
-from echocal.observations import Observations
 from echocal.observations.checks import CODES
-from echocal.observations.derived import derived
 from echocal.quantities import QUANTITIES
 
 __all__ = ["FAULT"]
@@ -49,7 +45,7 @@ FACTS = CauseFacts(
 )
 
 
-def detect(view: View, settings: FaultSettings) -> Finding | None:
+def detect(view: View, own: Thresholds, _: FaultSettings) -> Found | None:
     """Look for columns of influence quantities that hold nothing else than one code, or nothing.
 
     Raises
@@ -57,7 +53,6 @@ def detect(view: View, settings: FaultSettings) -> Finding | None:
     DataError
         If the thermometer was dead.
     """
-    own = settings.of(FACTS, Thresholds)
     if len(view) < own.fewest:
         return None
     observations = view.observations
@@ -75,11 +70,9 @@ def detect(view: View, settings: FaultSettings) -> Finding | None:
         )
         raise DataError(message)
     because = f"{told}: the sensor was dead; left out"
-    repaired = _without(observations, list(dead))
-    parameters = (Parameter("columns", float(len(dead)), 0.0, "1"),)
-    evidence = min(own.each * len(view), settings.cap)
     rows = np.ones(len(view), dtype=bool)
-    return Finding(FACTS, evidence, because, parameters, rows, repaired)
+    repaired = with_values(view, rows, FACTS.id, **dict.fromkeys(dead))
+    return Found(rows, own.each * len(view), because, (len(dead),), repaired)
 
 
 def _of_a_sensor(name: str) -> bool:
@@ -108,35 +101,6 @@ def _dead(name: str, column: Column, logged: bool) -> str:
     if shown is None and code:
         shown = as_recorded[0]
     return "" if shown is None else f"is {shown:g}"
-
-
-def _without(observations: Observations, dropped: list[str]) -> Observations:
-    """The table without some columns; rows that only they made unusable come back."""
-    held = observations.conditions
-    recorded = {n: c for n, c in held.items() if QUANTITIES[n].derived_from is None and n not in dropped}
-    conditions = {n: c for n, c in held.items() if n in recorded or n == "hour_angle"}
-    conditions |= derived(recorded, observations.labels)
-    unusable = observations.unusable.astype(object)
-    back = np.zeros(len(unusable), dtype=bool)
-    for name in dropped:
-        source = observations.source_names.get(name, name)
-        back |= np.isin(unusable, (f"{source} missing", f"{source} out of range"))
-    unusable[back] = ""
-    for reason, rows in _hidden(recorded, observations.source_names).items():
-        unusable[back & rows & (unusable == "")] = reason
-    return replace(observations, conditions=conditions, unusable=unusable.astype(str))
-
-
-def _hidden(recorded: Mapping[str, Column], source_names: Mapping[str, str]) -> dict[str, NDArray[np.bool_]]:
-    """Other reasons that rows have, by reason: a row keeps only its first."""
-    found: dict[str, NDArray[np.bool_]] = {}
-    for name, column in recorded.items():
-        source = source_names.get(name, name)
-        found[f"{source} missing"] = np.isnan(column)
-        if QUANTITIES[name].forms:
-            low, high = QUANTITIES[name].forms[0].physical
-            found[f"{source} out of range"] = (column < low) | (column > high)
-    return found
 
 
 def spoil(table: Columns, random: np.random.Generator) -> None:

@@ -7,11 +7,9 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize
 from scipy.special import expit, log_expit
 
-from echocal.diagnose.faults.common.fault import Fault
+from echocal.diagnose.faults.common.fault import Fault, Found
 from echocal.diagnose.faults.common.values import recorded
 from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
-from echocal.diagnose.findings.finding import Finding
-from echocal.diagnose.findings.parts import Parameter
 from echocal.diagnose.preprocess.hold_out import HELD_OUT_ROW, NOT_HELD_OUT
 from echocal.diagnose.preprocess.view import View
 from echocal.diagnose.preprocess.window import OUTSIDE
@@ -58,12 +56,9 @@ FACTS = CauseFacts(
 )
 
 
-def detect(view: View, settings: FaultSettings) -> Finding | None:
+def detect(view: View, own: Thresholds, _: FaultSettings) -> Found | None:
     """Fit a logistic trend to the failed rows, and compare it with a constant part."""
-    own = settings.of(FACTS, Thresholds)
-    time = view.observations.conditions.get("elapsed_time")
-    if time is None:
-        return None
+    time = view.observations.conditions["elapsed_time"]
     known = _asked_for(view, time)
     failed = _failed(view) & known
     count = int(failed.sum())
@@ -84,12 +79,7 @@ def detect(view: View, settings: FaultSettings) -> Finding | None:
         f"and {100 * y[~half].mean():.1f} % of the second half; by the trend {100 * first:.1f} % at the "
         f"start and {100 * last:.1f} % at the end"
     )
-    parameters = (
-        Parameter("at_first", first, 0.0, "1"),
-        Parameter("at_last", last, 0.0, "1"),
-        Parameter("rows", float(count), 0.0, "1"),
-    )
-    return Finding(FACTS, min(float(evidence), settings.cap), because, parameters, failed, view.observations)
+    return Found(failed, float(evidence), because, (first, last, count), view.observations)
 
 
 def _failed(view: View) -> Mask:

@@ -1,15 +1,15 @@
 """Fahrenheit in a column of degrees Celsius."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.diagnose.faults.common.fault import Fault
+from echocal.diagnose.faults.common.fault import Fault, Found
+from echocal.diagnose.faults.common.repair import with_values
 from echocal.diagnose.faults.common.values import at_power_on
 from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
-from echocal.diagnose.findings.finding import Finding, listed
-from echocal.diagnose.findings.parts import Parameter
+from echocal.diagnose.findings.finding import listed
 from echocal.diagnose.preprocess.usable import some
 from echocal.diagnose.preprocess.view import View
 from echocal.diagnose.settings.faults import FaultSettings
@@ -72,16 +72,14 @@ def celsius(fahrenheit: Column) -> Column:
     return (fahrenheit - 32.0) / 1.8
 
 
-def detect(view: View, settings: FaultSettings) -> Finding | None:
+def detect(view: View, own: Thresholds, _: FaultSettings) -> Found | None:
     """Ask whether all rows, or outliers, make sense as Fahrenheit."""
-    own, recorded = settings.of(FACTS, Thresholds), view.temperature
-    if recorded is None:
-        return None
+    recorded = view.observations.conditions["temperature"]
     known = np.isfinite(recorded)
     if (known & ~at_power_on(recorded)).sum() < 5:
         return None
     rows = _single(recorded, known, own)
-    evidence, why = min(own.each * float(rows.sum()), settings.cap), listed(rows)
+    evidence, why = own.each * float(rows.sum()), listed(rows)
     if not rows.any() or rows.mean() > own.most:
         if np.fmax.reduce(recorded) <= own.hottest and np.fmin.reduce(recorded) > -own.hottest:
             return None
@@ -97,14 +95,7 @@ def detect(view: View, settings: FaultSettings) -> Finding | None:
         f"{celsius(np.array(low)):.1f} .. {celsius(np.array(high)):.1f} degC, which fits the air"
         f"{'' if rows is known else ' of the rows around'}; the diagnosis goes on with these"
     )
-    return Finding(
-        FACTS,
-        float(evidence),
-        because,
-        (Parameter("rows", float(rows.sum()), 0.0, "1"),),
-        rows,
-        _converted(view, rows),
-    )
+    return Found(rows, evidence, because, (rows.sum(),), _converted(view, rows))
 
 
 def _whole(recorded: Column, own: Thresholds) -> float:
@@ -146,25 +137,8 @@ def _single(recorded: Column, known: Mask, own: Thresholds) -> Mask:
 
 
 def _converted(view: View, rows: Mask) -> Observations:
-    observations = view.observations
-    recorded = observations.conditions["temperature"]
-    temperature = np.where(rows, celsius(recorded), recorded)
-    unusable = observations.unusable.astype(object)
-    name = observations.source_names.get("temperature", "temperature_C")
-    unusable[rows & (unusable == f"{name} out of range")] = ""
-    echo_time = observations.echo_time
-    if observations.reading is not None:  # the device knew its air; its reading stands
-        speed = view.base.indication(np.full(len(view), 2.0), {**observations.conditions})
-        right = view.base.indication(
-            np.full(len(view), 2.0), {**observations.conditions, "temperature": temperature}
-        )
-        echo_time = np.where(rows, echo_time * speed / right, echo_time)
-    return replace(
-        observations,
-        echo_time=echo_time,
-        conditions={**observations.conditions, "temperature": temperature},
-        unusable=unusable.astype(str),
-    )
+    recorded = view.observations.conditions["temperature"]
+    return with_values(view, rows, FACTS.id, temperature=celsius(recorded))
 
 
 def spoil(table: Columns, random: np.random.Generator) -> None:

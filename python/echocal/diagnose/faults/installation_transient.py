@@ -18,11 +18,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.diagnose.faults.common.fault import Fault
+from echocal.diagnose.faults.common.fault import Fault, Found
 from echocal.diagnose.faults.common.values import millimeters
 from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
-from echocal.diagnose.findings.finding import Finding, listed
-from echocal.diagnose.findings.parts import Parameter
+from echocal.diagnose.findings.finding import listed
 from echocal.diagnose.preprocess.view import View
 from echocal.diagnose.preprocess.window import OUTSIDE
 from echocal.diagnose.settings.faults import FaultSettings
@@ -109,12 +108,9 @@ class _Beginning:
     usual: float
 
 
-def detect(view: View, settings: FaultSettings) -> Finding | None:
+def detect(view: View, own: Thresholds, settings: FaultSettings) -> Found | None:
     """Look for a beginning that is farther off than any other part of the log."""
-    own = settings.of(FACTS, Thresholds)
-    time = view.observations.conditions.get("elapsed_time")
-    if time is None:
-        return None
+    time = view.observations.conditions["elapsed_time"]
     rows = np.flatnonzero(view.good & np.isfinite(time) & np.isfinite(view.deviation))
     if np.any(np.diff(time[rows]) < 0):
         rows = rows[np.argsort(time[rows], kind="stable")]
@@ -139,14 +135,8 @@ def detect(view: View, settings: FaultSettings) -> Finding | None:
         f"rows after them (median), where {100 * (1 - own.usual):g} % of the other stretches of {count} rows "
         f"are at most {millimeters(found.usual)} off; left out"
     )
-    parameters = (
-        Parameter("rows", float(count), 0.0, "1"),
-        Parameter("duration", duration, 0.0, "s"),
-        Parameter("off", found.off, 0.0, "m"),
-    )
-    evidence, repaired = min(found.log_bayes, settings.cap), view.without(first, FACTS.id)
-    rules = _rules(view, rows, count)
-    return Finding(FACTS, evidence, because, parameters, first, repaired, rules=rules)
+    sizes = (count, duration, found.off)
+    return Found(first, found.log_bayes, because, sizes, rules=_rules(view, rows, count))
 
 
 def _lasting(seconds: float) -> str:

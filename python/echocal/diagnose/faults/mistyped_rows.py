@@ -1,17 +1,17 @@
 """Readings that become consistent after one edit of their digits."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.diagnose.faults.common.fault import Fault
+from echocal.diagnose.faults.common.fault import Fault, Found
 from echocal.diagnose.faults.common.outliers import far_rule
+from echocal.diagnose.faults.common.repair import with_values
 from echocal.diagnose.faults.common.values import recorded
 from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
-from echocal.diagnose.findings.finding import Finding, listed
-from echocal.diagnose.findings.parts import Parameter
+from echocal.diagnose.findings.finding import listed
 from echocal.diagnose.preprocess.view import View
 from echocal.diagnose.settings.faults import FaultSettings
 from echocal.diagnose.settings.threshold import threshold
@@ -100,10 +100,9 @@ def edits(text: str) -> Iterator[tuple[str, str, float]]:
             yield text[:i] + digit + text[i:], "a digit lost", 0.02
 
 
-def detect(view: View, settings: FaultSettings) -> Finding | None:
+def detect(view: View, own: Thresholds, settings: FaultSettings) -> Found | None:
     """Try every single edit on every odd row that looks typed."""
     values = recorded(view) if view.observations.reading is not None else view.indication
-    own = settings.of(FACTS, Thresholds)
     odds = {True: own.odd_among_typed, False: own.odd_alone}
     least = max(min(odds.values()) * view.scatter, own.least)
     with np.errstate(invalid="ignore"):
@@ -134,18 +133,14 @@ def detect(view: View, settings: FaultSettings) -> Finding | None:
         evidence = min(evidence, _typed_at_all(len(stories), len(at), _by_chance(search)))
     if evidence <= 0 or not stories:
         return None
-    observations = view.observations
-    time = np.where(odd, observations.echo_time * corrected / values, observations.echo_time)
-    reading = None if observations.reading is None else corrected
-    return Finding(
-        FACTS,
-        min(evidence, settings.cap),
-        f"{'; '.join(stories[:3])}{'; ...' if len(stories) > 3 else ''}; corrected in {listed(odd)}",
-        (Parameter("rows", float(len(stories)), 0.0, "1"),),
-        odd,
-        replace(observations, reading=reading, echo_time=time),
-        rules=(far_rule(view, FACTS.id, 0, settings, deviations=odds[decimals > 0]),),
+    data = view.observations
+    as_meant = (
+        {"echo_time": data.echo_time * corrected / values} if data.reading is None else {"reading": corrected}
     )
+    because = f"{'; '.join(stories[:3])}{'; ...' if len(stories) > 3 else ''}; corrected in {listed(odd)}"
+    rules = (far_rule(view, FACTS.id, 0, settings, deviations=odds[decimals > 0]),)
+    repaired = with_values(view, odd, FACTS.id, **as_meant)
+    return Found(odd, evidence, because, (len(stories),), repaired, rules)
 
 
 def _by_chance(search: "_Search") -> float:

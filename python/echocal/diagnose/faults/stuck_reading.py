@@ -5,11 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.diagnose.faults.common.fault import Fault
+from echocal.diagnose.faults.common.fault import Fault, Found
 from echocal.diagnose.faults.common.values import expected_everywhere, recorded
 from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
-from echocal.diagnose.findings.finding import Finding
-from echocal.diagnose.findings.parts import Parameter
 from echocal.diagnose.preprocess.view import View
 from echocal.diagnose.settings.faults import FaultSettings
 from echocal.diagnose.settings.threshold import threshold
@@ -61,9 +59,8 @@ def runs(values: NDArray[np.float64]) -> tuple[NDArray[np.int64], NDArray[np.int
     return starts, np.diff(np.append(starts, len(values)))
 
 
-def detect(view: View, settings: FaultSettings) -> Finding | None:
+def detect(view: View, own: Thresholds, settings: FaultSettings) -> Found | None:
     """Compare the longest runs with how often neighbors would be equal by themselves."""
-    own = settings.of(FACTS, Thresholds)
     values = np.where(view.good, recorded(view), np.nan)
     starts, lengths = runs(values)
     if lengths.max() < own.shortest:
@@ -92,17 +89,10 @@ def detect(view: View, settings: FaultSettings) -> Finding | None:
         f"rows {first + 1} to {first + length} all read {value:.4f} m; by the step of the readings, their "
         f"noise and the other runs {usual:.2g} such runs are expected; repeated rows are left out"
     )
-    parameters = (
-        Parameter("first_row", first + 1.0, 0.0, "1"),
-        Parameter("length", float(length), 0.0, "1"),
-        Parameter("value", value, 0.0, "m"),
-    )
-    evidence = min(evidence, settings.cap)
     quantity = "echo_time" if view.observations.reading is None else "reading"
     shortest = int(lengths[long].min())
     rules = (RowRule(reason=FACTS.id, kind="run", quantity=quantity, length=shortest),)
-    repaired = view.without(frozen, FACTS.id)
-    return Finding(FACTS, evidence, because, parameters, frozen, repaired, rules=rules)
+    return Found(frozen, evidence, because, (first + 1, length, value), rules=rules)
 
 
 def _longest(

@@ -1,15 +1,15 @@
 """Temperature and humidity exchanged."""
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
 from echocal.diagnose.faults.common.crossing import Crossing, at_crossing, crossings, refined
-from echocal.diagnose.faults.common.fault import Fault
+from echocal.diagnose.faults.common.fault import Fault, Found
+from echocal.diagnose.faults.common.repair import with_values
 from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
-from echocal.diagnose.findings.finding import Finding, listed
-from echocal.diagnose.findings.parts import Parameter
+from echocal.diagnose.findings.finding import listed
 from echocal.diagnose.preprocess.usable import some
 from echocal.diagnose.preprocess.view import View
 from echocal.diagnose.settings.faults import FaultSettings
@@ -62,13 +62,10 @@ FACTS = CauseFacts(
 )
 
 
-def detect(view: View, settings: FaultSettings) -> Finding | None:
+def detect(view: View, own: Thresholds, _: FaultSettings) -> Found | None:
     """Look for a row from which on the two columns go on as each other."""
-    own = settings.of(FACTS, Thresholds)
-    warm, humid = view.temperature, view.observations.conditions.get("relative_humidity")
-    if warm is None or humid is None:
-        return None
-    percent = 100.0 * humid
+    warm = view.observations.conditions["temperature"]
+    percent = 100.0 * view.observations.conditions["relative_humidity"]
     known = np.flatnonzero(np.isfinite(warm) & np.isfinite(percent))
     if len(known) < own.fewest:
         return None
@@ -89,14 +86,7 @@ def detect(view: View, settings: FaultSettings) -> Finding | None:
         f"the humidity from {percent[edge - 1]:.1f} to {percent[edge]:.1f}; each goes on as the other did; "
         f"exchanged back in {listed(swapped)}"
     )
-    return Finding(
-        FACTS,
-        min(evidence, own.cap, settings.cap),
-        because,
-        (Parameter("first_row", first + 1.0, 0.0, "1"),),
-        swapped,
-        _exchanged(view, swapped),
-    )
+    return Found(swapped, min(evidence, own.cap), because, (first + 1,), _exchanged(view, swapped))
 
 
 def _seam(columns: tuple[Column, Column], settings: Thresholds) -> tuple[int, float]:
@@ -209,23 +199,8 @@ def _drier(warm: Column, percent: Column, rows: Mask) -> bool:
 
 
 def _exchanged(view: View, rows: Mask) -> Observations:
-    observations = view.observations
-    warm, humid = observations.conditions["temperature"], observations.conditions["relative_humidity"]
-    temperature = np.where(rows, 100.0 * humid, warm)
-    fraction = np.where(rows, warm / 100.0, humid)
-    unusable = observations.unusable.astype(object)
-    possible = (fraction >= 0) & (fraction <= 1) & (temperature < 100.0)
-    for name in ("temperature", "relative_humidity"):
-        source = observations.source_names.get(name, name)
-        unusable[rows & possible & (unusable == f"{source} out of range")] = ""
-    unusable[rows & ~possible & (unusable == "")] = FACTS.id
-    conditions = {**observations.conditions, "temperature": temperature, "relative_humidity": fraction}
-    echo_time = observations.echo_time
-    if observations.reading is not None:  # the device knew its air; its reading stands
-        two = np.full(len(view), 2.0)
-        wrong, right = (view.base.indication(two, c) for c in (observations.conditions, conditions))
-        echo_time = np.where(rows, echo_time * wrong / right, echo_time)
-    return replace(observations, echo_time=echo_time, conditions=conditions, unusable=unusable.astype(str))
+    warm, humid = (view.observations.conditions[name] for name in FACTS.needs)
+    return with_values(view, rows, FACTS.id, temperature=100.0 * humid, relative_humidity=warm / 100.0)
 
 
 def spoil(table: Columns, random: np.random.Generator) -> None:

@@ -7,11 +7,10 @@ from numpy.typing import NDArray
 from scipy.special import gammaln
 
 from echocal.diagnose.faults.common.constant import finest, log_constant
-from echocal.diagnose.faults.common.fault import Fault
+from echocal.diagnose.faults.common.fault import Fault, Found
 from echocal.diagnose.faults.common.values import expected_everywhere, far, recorded
 from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
-from echocal.diagnose.findings.finding import Finding, listed
-from echocal.diagnose.findings.parts import Parameter
+from echocal.diagnose.findings.finding import listed
 from echocal.diagnose.preprocess.view import View
 from echocal.diagnose.settings.faults import FaultSettings
 from echocal.diagnose.settings.threshold import threshold
@@ -73,9 +72,8 @@ FACTS = CauseFacts(
 )
 
 
-def detect(view: View, settings: FaultSettings) -> Finding | None:
+def detect(view: View, own: Thresholds, settings: FaultSettings) -> Found | None:
     """Compare one constant with rows that lie anywhere, and with another thing's echoes."""
-    own = settings.of(FACTS, Thresholds)
     times, readings = view.observations.echo_time, recorded(view)
     found = [_constant(view, values, settings, own) for values in (times, readings)]
     found.append(_impossible(view, own))
@@ -89,9 +87,8 @@ def detect(view: View, settings: FaultSettings) -> Finding | None:
         f"{listed(mask)}: an echo time of {1e3 * time:.3f} ms ({view.indication[rows[0]]:.2f} m) again and "
         f"again, where {expected:.2f} m is expected; left out"
     )
-    parameters = (Parameter("echo_time", time, 0.0, "s"), Parameter("rows", float(len(rows)), 0.0, "1"))
-    repaired, rules = view.without(mask, FACTS.id, anyhow=True), _rules(view, rows, own)
-    return Finding(FACTS, min(evidence, settings.cap), because, parameters, mask, repaired, rules=rules)
+    repaired = view.without(mask, FACTS.id, anyhow=True)
+    return Found(mask, evidence, because, (time, len(rows)), repaired, _rules(view, rows, own))
 
 
 def _constant(

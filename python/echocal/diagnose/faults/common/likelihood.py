@@ -1,0 +1,33 @@
+"""How likely rows are under one hypothesis on where they should be: normal noise, and a few strays."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from echocal.diagnose.preprocess.view import View
+
+__all__ = ["STRAY", "independent", "log_density", "log_likelihood"]
+
+Column = NDArray[np.float64]
+
+STRAY = 0.02
+"""Part of the rows that are anywhere, whatever the others do."""
+
+
+def log_density(off: Column, scatter: float, wide: float, stray: float = STRAY) -> Column:
+    """Log density of deviations: normal, or anywhere in a range as wide as that of the readings."""
+    normal = np.log1p(-stray) - 0.5 * (off / scatter) ** 2 - np.log(scatter * np.sqrt(2 * np.pi))
+    with np.errstate(invalid="ignore"):  # a row that is not known stays so
+        return np.asarray(np.logaddexp(normal, np.log(stray / wide)))
+
+
+def log_likelihood(view: View, rows: NDArray[np.bool_]) -> float:
+    """Log likelihood of some rows of a table as it stands, with its own smooth error and scatter."""
+    wide = float(np.ptp(view.indication[rows])) + view.scatter
+    return float(log_density(view.deviation[rows], view.scatter, wide).sum())
+
+
+def independent(off: Column) -> float:
+    """Part of the rows that count: of an autoregression of the first order, (1 - rho) / (1 + rho)."""
+    off = off - np.median(off)
+    rho = float(off[1:] @ off[:-1]) / max(float(off @ off), 1e-300)
+    return (1 - rho) / (1 + rho) if rho > 0.0 else 1.0
