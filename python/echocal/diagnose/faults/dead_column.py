@@ -1,7 +1,5 @@
 """A sensor of an influence quantity that gave no value at all."""
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -11,7 +9,6 @@ from echocal.diagnose.faults.common.values import POWER_ON
 from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
 from echocal.diagnose.preprocess.view import View
 from echocal.diagnose.settings.faults import FaultSettings
-from echocal.diagnose.settings.threshold import threshold
 from echocal.errors import DataError
 from echocal.observations.checks import CODES
 from echocal.quantities import QUANTITIES
@@ -20,15 +17,7 @@ __all__ = ["FAULT"]
 
 Column = NDArray[np.float64]
 
-
-@dataclass(frozen=True)
-class Thresholds:
-    """Numbers that decide about this fault."""
-
-    fewest: float = threshold(
-        10, "1", "rows without any value, for a sensor to be dead: fewer may be a choice; judgement"
-    )
-    each: float = threshold(1.0, "1", "log Bayes factor of a row that has the same code as all; judgement")
+_FEWEST = 10  # rows without any value, for a sensor to be dead: fewer may be a choice
 
 
 FACTS = CauseFacts(
@@ -45,7 +34,7 @@ FACTS = CauseFacts(
 )
 
 
-def detect(view: View, own: Thresholds, _: FaultSettings) -> Found | None:
+def detect(view: View, _: object, settings: FaultSettings) -> Found | None:
     """Look for columns of influence quantities that hold nothing else than one code, or nothing.
 
     Raises
@@ -53,7 +42,7 @@ def detect(view: View, own: Thresholds, _: FaultSettings) -> Found | None:
     DataError
         If the thermometer was dead.
     """
-    if len(view) < own.fewest:
+    if len(view) < _FEWEST:
         return None
     observations = view.observations
     recorded = {n: c for n, c in observations.conditions.items() if _of_a_sensor(n)}
@@ -72,7 +61,7 @@ def detect(view: View, own: Thresholds, _: FaultSettings) -> Found | None:
     because = f"{told}: the sensor was dead; left out"
     rows = np.ones(len(view), dtype=bool)
     repaired = with_values(view, rows, FACTS.id, **dict.fromkeys(dead))
-    return Found(rows, own.each * len(view), because, (len(dead),), repaired)
+    return Found(rows, float(len(view)), because, (len(dead),), repaired)
 
 
 def _of_a_sensor(name: str) -> bool:
@@ -108,4 +97,4 @@ def spoil(table: Columns, random: np.random.Generator) -> None:
     table["humidity_percent"][:] = random.choice([0.0, -999.0])
 
 
-FAULT = Fault(FACTS, detect, spoil, Thresholds())
+FAULT = Fault(FACTS, detect, spoil)

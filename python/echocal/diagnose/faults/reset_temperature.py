@@ -24,7 +24,6 @@ class Thresholds:
     apart: float = threshold(
         15.0, "K", "from the median of the other rows, for 85 degC to be no air temperature; judgement"
     )
-    most: float = threshold(0.5, "1", "part of the rows that may have the value; judgement")
     each: float = threshold(12.0, "1", "log Bayes factor of a row that has exactly this value; judgement")
 
 
@@ -48,7 +47,7 @@ def detect(view: View, own: Thresholds, _: FaultSettings) -> Found | None:
     recorded = view.observations.conditions["temperature"]
     rows = at_power_on(recorded) & np.isfinite(view.observations.echo_time)
     others = np.isfinite(recorded) & ~rows
-    if not rows.any() or rows.sum() > own.most * len(rows) or not others.any():
+    if not rows.any() or not others.any():
         return None
     usual = float(np.median(recorded[others]))
     if np.abs(recorded[rows] - usual).min() < own.apart:

@@ -16,6 +16,7 @@ from echocal.observations.marks import RowRule
 __all__ = ["FAULT"]
 
 _FINEST = 1e-6  # m; below it no two readings are equal by chance
+_SHORTEST, _MOST = 4, 5  # rows of a run that is looked at, and frozen runs of a table: more take time
 _NOISES = np.geomspace(0.02, 2000.0, 200)  # in steps of the readings
 
 
@@ -23,13 +24,8 @@ _NOISES = np.geomspace(0.02, 2000.0, 200)  # in steps of the readings
 class Thresholds:
     """Numbers that decide about this fault."""
 
-    shortest: float = threshold(4, "1", "rows of one value; judgement")
-    most: float = threshold(5, "1", "runs: more of them are how this sensor is; judgement")
     tail: float = threshold(
         10, "1", "other runs, at least, that tell how runs of some length go on; judgement"
-    )
-    elsewhere: float = threshold(
-        8, "1", "rows outside of the longest run that tell how often neighbors are equal; judgement"
     )
 
 
@@ -63,15 +59,13 @@ def detect(view: View, own: Thresholds, settings: FaultSettings) -> Found | None
     """Compare the longest runs with how often neighbors would be equal by themselves."""
     values = np.where(view.good, recorded(view), np.nan)
     starts, lengths = runs(values)
-    if lengths.max() < own.shortest:
+    if lengths.max() < _SHORTEST or len(lengths) < 2:
         return None
     elsewhere = np.delete(lengths, int(np.argmax(lengths)))
     rows_elsewhere = max(int(elsewhere.sum()), 1)
     equal = (float((elsewhere - 1).sum()) + 0.5) / rows_elsewhere
-    if rows_elsewhere < own.elsewhere:
-        return None
     surprise = np.zeros(len(lengths))
-    for run in np.flatnonzero(lengths >= own.shortest):  # somewhere among n rows
+    for run in np.flatnonzero(lengths >= _SHORTEST):  # somewhere among n rows
         rows = slice(starts[run], starts[run] + lengths[run])
         surprise[run] = -_by_chance(view, rows, equal) - np.log(len(values))
     long, evidence, usual = _longest(lengths, surprise, own)
@@ -106,7 +100,7 @@ def _longest(
     candidates = np.flatnonzero(surprise > 0.0)
     candidates = candidates[np.argsort(-lengths[candidates], kind="stable")]
     best: tuple[NDArray[np.int64], float, float] = (candidates[:0], 0.0, 1.0)
-    for count in range(1, min(int(own.most), len(candidates)) + 1):
+    for count in range(1, min(_MOST, len(candidates)) + 1):
         chosen = candidates[:count]
         others = np.delete(lengths, chosen)
         log_expected = _log_expected(others, count, int(lengths[chosen[-1]]), own)

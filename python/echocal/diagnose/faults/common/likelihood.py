@@ -4,13 +4,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from echocal.diagnose.preprocess.view import View
+from echocal.observations import Observations
+from echocal.observations.quantiles import median
 
-__all__ = ["STRAY", "independent", "log_density", "log_likelihood"]
+__all__ = ["STRAY", "by_echoes", "independent", "log_density", "log_likelihood"]
 
 Column = NDArray[np.float64]
 
 STRAY = 0.02
 """Part of the rows that are anywhere, whatever the others do."""
+
+_WITNESSES = 60.0
+"""Rows that count as independent, at most, where neighbors are alike."""
 
 
 def log_density(off: Column, scatter: float, wide: float, stray: float = STRAY) -> Column:
@@ -31,3 +36,18 @@ def independent(off: Column) -> float:
     off = off - np.median(off)
     rho = float(off[1:] @ off[:-1]) / max(float(off @ off), 1e-300)
     return (1 - rho) / (1 + rho) if rho > 0.0 else 1.0
+
+
+def by_echoes(view: View, repaired: Observations, rows: NDArray[np.bool_]) -> float:
+    """Log Bayes factor of another air in some rows, from recorded echo times.
+
+    They know the air; a reading does not, since the device knew its own.
+    """
+    reference, good = view.reference, view.good & rows
+    if reference is None or view.observations.reading is not None or not good.any():
+        return 0.0
+    others = view.good & ~rows
+    center = median((view.indication - reference)[others]) if others.any() else 0.0
+    misfits = [np.abs(look.indication - reference - center)[good] for look in (view, view.after(repaired))]
+    as_it_is, otherwise = (median(misfit[np.isfinite(misfit)]) + view.scatter for misfit in misfits)
+    return 0.5 * min(_WITNESSES, float(good.sum())) * float(np.log(as_it_is / otherwise))
