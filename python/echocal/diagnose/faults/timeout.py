@@ -4,9 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import gammaln
 
-from echocal.diagnose.faults.common.constant import finest, log_constant
+from echocal.diagnose.faults.common.constant import finest, log_choices, log_constant
 from echocal.diagnose.faults.common.fault import Fault, Found
 from echocal.diagnose.faults.common.values import expected_everywhere, far, recorded
 from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
@@ -113,8 +112,7 @@ def _constant(
         return -np.inf, rows
     place, least = view.indication[rows], finest(view.indication[rows], view.resolution)
     off = np.abs(place - expected[rows])
-    count, among = len(rows), len(rows) + int(far(rest, settings.far).sum())
-    chosen = float(np.log(among + 1) + gammaln(among + 1) - gammaln(count + 1) - gammaln(among - count + 1))
+    chosen = log_choices(len(rows), len(rows) + int(far(rest, settings.far).sum()))
     echo = float(np.median(view.observations.echo_time[rows]))
     known = _normal(echo / _KNOWN, own.tolerance / _KNOWN)
     good = rest.indication[rest.good]

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.diagnose.faults.common.constant import finest, log_constant
+from echocal.diagnose.faults.common.constant import finest, log_choices, log_constant
 from echocal.diagnose.faults.common.fault import Fault, Found
 from echocal.diagnose.faults.common.ratio import factor_of
 from echocal.diagnose.faults.common.repair import divided, with_values
@@ -40,17 +40,13 @@ _UNITS = {
 _USUAL = 20.0
 """Farthest target of a sensor in air [m]; catalogues end at 15 m."""
 
-_LEAST = min(abs(float(np.log(factor))) for factor in _UNITS)
-
 
 @dataclass(frozen=True)
 class Thresholds:
     """Numbers that decide about this fault."""
 
-    fewest: float = threshold(3, "1", "rows of one factor: one or two are typing errors")
     most: float = threshold(0.45, "1", "part of the rows: of more, nobody knows which unit is the right one")
     outlier: float = threshold(0.15, "1", "of the log ratio, beyond which a row is an outlier; judgement")
-    shared: float = threshold(0.8, "1", "part of the outliers that must share the factor; judgement")
     close: float = threshold(
         0.02, "1", "of the log ratio, beside the noise: what laws and thermometers do to it"
     )
@@ -109,8 +105,8 @@ def _reference_is_wrong(view: View) -> bool:
 
 def _some(view: View, own: Thresholds, settings: FaultSettings) -> Iterator[Found]:
     """Rows that agree with the others once divided by a unit's factor: cm among m, ms among us."""
-    if _near(view, own):
-        return
+    if view.reference is not None and view.farthest < 0.8 * own.outlier * np.fmin.reduce(view.expected):
+        return  # no row is an outlier
     expected = expected_everywhere(view)
     with np.errstate(all="ignore"):
         log_ratio = np.log(view.indication / expected)
@@ -119,33 +115,20 @@ def _some(view: View, own: Thresholds, settings: FaultSettings) -> Iterator[Foun
     outliers = judged & (np.abs(log_ratio) > own.outlier)
     if outliers.sum() > own.most * judged.sum():
         return
-    far = np.flatnonzero(judged & (np.abs(log_ratio) > _LEAST - width))
     for factor, story in _UNITS.items():
-        rows = far[np.abs(log_ratio[far] - np.log(factor)) < width[far]]
-        count = len(rows)
-        if count < max(own.fewest, own.shared * outliers.sum()):
+        near = outliers & (np.abs(log_ratio - np.log(factor)) < width)
+        if not near.any():
             continue
-        near = np.zeros(len(judged), dtype=bool)
-        near[rows] = True
         noise = np.hypot(view.scatter, view.resolution / factor / 12**0.5) / expected[near]
         as_a_unit = _as_a_unit(log_ratio[near] - np.log(factor), noise, own, settings.constant)
         evidence = as_a_unit - float(np.log(len(_UNITS))) - _anyhow(view, near, settings)
+        count, among = int(near.sum()), int(outliers.sum())  # in half of such tables all of them
+        evidence -= float(np.log(2)) + (0.0 if count == among else log_choices(count, among))
         because = (
             f"{listed(near)} read {np.exp(np.median(log_ratio[near])):.4g} times what the other rows say, as "
             f"if written in another unit ({story}); divided by {factor:.4g} there"
         )
         yield Found(near, evidence, because, (factor, count), divided(view, near, FACTS.id, factor))
-
-
-def _near(view: View, own: Thresholds) -> bool:
-    """Whether no row is an outlier, nor anything near another unit."""
-    least = float(np.fmin.reduce(view.expected))
-    return (
-        view.reference is not None
-        and least > 0
-        and 1.01 * view.farthest < -np.expm1(-own.outlier) * least
-        and own.close + own.deviations * view.scatter / least < 0.9 * (_LEAST - own.outlier)
-    )
 
 
 def _anyhow(view: View, rows: NDArray[np.bool_], settings: FaultSettings) -> float:
