@@ -17,7 +17,8 @@ __all__ = ["FAULT"]
 
 _FINEST = 1e-6  # m; below it no two readings are equal by chance
 _SHORTEST, _MOST = 4, 5  # rows of a run that is looked at, and frozen runs of a table: more take time
-_NOISES = np.geomspace(0.02, 2000.0, 200)  # in steps of the readings
+_INSIDE = 6.0  # robust standard deviations from row to row: the others are outliers
+_LEAST = 0.1  # of half a step: rounding hides less noise
 
 
 @dataclass(frozen=True)
@@ -61,13 +62,7 @@ def detect(view: View, own: Thresholds, settings: FaultSettings) -> Found | None
     starts, lengths = runs(values)
     if lengths.max() < _SHORTEST or len(lengths) < 2:
         return None
-    elsewhere = np.delete(lengths, int(np.argmax(lengths)))
-    rows_elsewhere = max(int(elsewhere.sum()), 1)
-    equal = (float((elsewhere - 1).sum()) + 0.5) / rows_elsewhere
-    surprise = np.zeros(len(lengths))
-    for run in np.flatnonzero(lengths >= _SHORTEST):  # somewhere among n rows
-        rows = slice(starts[run], starts[run] + lengths[run])
-        surprise[run] = -_by_chance(view, rows, equal) - np.log(len(values))
+    surprise = _surprise(view, starts, lengths)
     long, evidence, usual = _longest(lengths, surprise, own)
     if evidence <= 0.0:
         return None
@@ -138,31 +133,29 @@ def _log_expected(others: NDArray[np.int64], longer: int, length: int, own: Thre
     return expected if np.isfinite(expected) else 0.0
 
 
-def _by_chance(view: View, rows: slice, equal: float) -> float:
-    """Log probability that all rows of a run fall into one step of the readings by themselves.
+def _surprise(view: View, starts: NDArray[np.int64], lengths: NDArray[np.int64]) -> NDArray[np.float64]:
+    """Log improbability that all rows of a run fall into one step of the readings, somewhere in the table.
 
-    Noise carries each row's expectation into the run's step, or not; as often as neighbors are equal
-    elsewhere they are equal here at least.
+    Noise carries each row's expectation into the run's step, or not. The noise is that of the other rows,
+    from row to row and less what rounding makes. As often as neighbors are equal there, they are equal here.
     """
     from scipy.special import ndtr  # takes long to import
 
-    half = 0.5 * max(view.resolution, _FINEST)
-    noise = 2 * half * float(np.interp(-equal, -_equal_neighbors(_NOISES), _NOISES))
-    off = view.expected[rows] - np.median(view.expected[rows])  # the run's own level is its business
-    inside = ndtr((half - off) / noise) - ndtr((-half - off) / noise)
-    return float(np.log(np.clip(inside, max(equal, 1e-12), 1.0))[1:].sum())
-
-
-def _equal_neighbors(noise: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Part of neighbors that are equal, by the standard deviation of normal noise in steps of the readings.
-
-    It is the mean of `1 - |x|`, not below 0, over the difference `x` of two rows before their rounding.
-    """
-    from scipy.special import ndtr  # takes long to import
-
-    of_difference = np.sqrt(2.0) * noise
-    density = np.exp(-0.5 / of_difference**2)
-    return np.asarray(2 * ndtr(1 / of_difference) - 1 - np.sqrt(2 / np.pi) * of_difference * (1.0 - density))
+    half, rows = 0.5 * max(view.resolution, _FINEST), len(view)
+    jump = np.nan_to_num(np.diff(view.deviation, prepend=np.nan))
+    total = np.cumsum(np.minimum(jump**2, (_INSIDE * view.scatter) ** 2))
+    surprise = np.zeros(len(lengths))
+    for run in np.flatnonzero(lengths >= _SHORTEST):
+        first, last = starts[run], starts[run] + lengths[run] - 1
+        elsewhere = max(rows - int(lengths[run]), 1)
+        square = (total[-1] - total[last] + total[first]) / elsewhere
+        noise = np.sqrt(max(0.5 * square - half**2 / 3, (_LEAST * half) ** 2))
+        equal = (elsewhere - len(lengths) + 1.5) / elsewhere
+        off = view.expected[first : last + 1]
+        off = off - np.median(off)  # the run's own level is its business
+        inside = ndtr((half - off) / noise) - ndtr((-half - off) / noise)
+        surprise[run] = -np.log(np.clip(inside, max(equal, 1e-12), 1.0))[1:].sum() - np.log(rows)
+    return surprise
 
 
 def spoil(table: Columns, random: np.random.Generator) -> None:
