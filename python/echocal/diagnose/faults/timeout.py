@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from echocal.diagnose.faults.common.constant import finest, log_choices, log_constant
 from echocal.diagnose.faults.common.fault import Fault, Found
-from echocal.diagnose.faults.common.values import expected_everywhere, far, recorded
+from echocal.diagnose.faults.common.values import expected_everywhere, far, limit_of, recorded
 from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
 from echocal.diagnose.findings.finding import listed
 from echocal.diagnose.preprocess.view import View
@@ -106,7 +106,7 @@ def _constant(
     if not rest.good.any():
         return -np.inf, outliers[:0]
     expected = view.expected if view.known else expected_everywhere(rest)
-    limit = np.maximum(settings.far.deviations * rest.scatter, settings.far.part * np.abs(expected))
+    limit = limit_of(rest.scatter, expected, settings.far)
     rows = np.flatnonzero(inside & (np.abs(view.indication - expected) > limit))
     if not len(rows):
         return -np.inf, rows
