@@ -31,7 +31,11 @@ class Thresholds:
     """Numbers that decide about this fault."""
 
     odd: float = threshold(
-        8.0, "1", "robust standard deviations that a row is off by, to be looked at; judgement"
+        8.0, "1", "robust standard deviations that a row is off by, where most rows are typed; judgement"
+    )
+    odd_alone: float = threshold(4.5, "1", "the same where other rows are not typed; judgement")
+    alone: float = threshold(
+        2.0, "1", "log Bayes factor of a row that looks typed where others do not; judgement"
     )
     least: float = threshold(4e-3, "m", "least change by a slip; judgement")
     close: float = threshold(
@@ -88,17 +92,19 @@ def edits(text: str) -> Iterator[tuple[str, str, float]]:
 
 
 def detect(view: View, own: Thresholds, settings: FaultSettings) -> Found | None:
-    """Try every single edit on every odd row, where most rows look typed."""
+    """Try every single edit on every odd row that looks typed."""
     values = recorded(view) if view.observations.reading is not None else view.indication
-    least = max(own.odd * view.scatter, own.least)
-    if view.farthest <= least:
+    if view.farthest <= max(own.odd_alone * view.scatter, own.least):
         return None
-    decimals = next((d for d in _DECIMALS if _on_grid(values, d)[view.good].mean() > 0.5), 0)
+    usual = next((d for d in _DECIMALS if _on_grid(values, d)[view.good].mean() > 0.5), 0)
+    decimals, deviations = (usual, own.odd) if usual else (_DECIMALS[0], own.odd_alone)
+    least = max(deviations * view.scatter, own.least)
     with np.errstate(invalid="ignore"):
         odd = np.flatnonzero(view.good & _on_grid(values, decimals) & (np.abs(view.deviation) > least))
-    if not decimals or not 0 < len(odd) < _MOST:
+    if not 0 < len(odd) < _MOST:
         return None
-    typist = _Typist(max(view.scatter, 0.3 * 10.0**-decimals), decimals, own)
+    alone = 0.0 if usual else own.alone
+    typist = _Typist(max(view.scatter, 0.3 * 10.0**-decimals), decimals, alone, own)
     meant = {
         int(row): found
         for row in odd
@@ -108,7 +114,8 @@ def detect(view: View, own: Thresholds, settings: FaultSettings) -> Found | None
     if len(odd) >= _ENOUGH:
         off = view.deviation[odd[:: -(-len(odd) // _TRIED)]]
         evidence = min(evidence, _typed_at_all(len(meant), len(odd), _by_chance(typist, values, odd, off)))
-    evidence -= float(np.log1p((len(view) / own.rows) ** 2)) + own.logged * _logged(view)
+    if usual:  # else only the odd rows look typed, and a person typed these alone
+        evidence -= float(np.log1p((len(view) / own.rows) ** 2)) + own.logged * _logged(view)
     if not meant:
         return None
     rows, corrected = np.isin(np.arange(len(view)), list(meant)), values.copy()
@@ -122,7 +129,7 @@ def detect(view: View, own: Thresholds, settings: FaultSettings) -> Found | None
     name = "echo_time" if data.reading is None else "reading"
     new = data.echo_time * corrected / values if data.reading is None else corrected
     repaired = with_values(view, rows, FACTS.id, **{name: new})
-    rules = (far_rule(view, FACTS.id, 0, settings, deviations=own.odd),)
+    rules = (far_rule(view, FACTS.id, 0, settings, deviations=deviations),)
     return Found(rows, evidence, because, (len(meant),), repaired, rules)
 
 
@@ -164,10 +171,11 @@ class _Meant:
 
 @dataclass(frozen=True)
 class _Typist:
-    """Somebody who types readings with so many decimals; corrected ones have this scatter [m]."""
+    """Somebody who types readings with so many decimals, alone or all; corrected ones scatter so [m]."""
 
     scatter: float
     decimals: int
+    alone: float
     own: Thresholds
 
     def meant(self, value: float, expected: float) -> _Meant | None:
@@ -181,7 +189,7 @@ class _Typist:
             if abs(off) < self.own.close and density > best.log_bayes:
                 best = _Meant(right, slip, density)
         anywhere = 1.0 / max(abs(expected), abs(value), 0.2)  # density of echoes [1/m]
-        evidence = float(np.log(self.own.slip * slips / weights / anywhere))
+        evidence = float(np.log(self.own.slip * slips / weights / anywhere)) + self.alone
         return _Meant(best.value, best.slip, evidence) if best.slip and evidence > self.own.sure else None
 
 

@@ -45,6 +45,7 @@ _USUAL = 20.0
 class Thresholds:
     """Numbers that decide about this fault."""
 
+    fewest: float = threshold(3, "1", "rows of one factor: one or two are typing errors")
     most: float = threshold(0.45, "1", "part of the rows: of more, nobody knows which unit is the right one")
     outlier: float = threshold(0.15, "1", "of the log ratio, beyond which a row is an outlier; judgement")
     close: float = threshold(
@@ -117,7 +118,7 @@ def _some(view: View, own: Thresholds, settings: FaultSettings) -> Iterator[Foun
         return
     for factor, story in _UNITS.items():
         near = outliers & (np.abs(log_ratio - np.log(factor)) < width)
-        if not near.any():
+        if near.sum() < own.fewest:
             continue
         noise = np.hypot(view.scatter, view.resolution / factor / 12**0.5) / expected[near]
         as_a_unit = _as_a_unit(log_ratio[near] - np.log(factor), noise, own, settings.constant)
