@@ -11,7 +11,7 @@ from frozen import tables as corpus
 from planted import accepted, clean, search
 
 import echocal
-from echocal.diagnose.faults import FaultSettings, find_faults
+from echocal.diagnose.faults import FaultSettings, find_faults, registry
 from echocal.diagnose.noises import NoiseSettings
 from echocal.diagnose.preprocess.base import Base
 
@@ -75,6 +75,16 @@ def test_calm_nights_are_not_stuck(random: np.random.Generator) -> None:
 
 
 @pytest.mark.statistical
+def test_a_near_visit_in_whole_centimeters_is_not_stuck(random: np.random.Generator) -> None:
+    """Far readings follow the temperature beside a wrong speed of sound; near ones stay within their step."""
+    distance = np.append(np.full(45, 0.205), np.repeat(np.linspace(1.0, 3.0, 6), 30))
+    celsius = random.uniform(10.0, 30.0, len(distance))
+    us = 2e6 * (distance + random.normal(0.0, 3e-4, len(distance))) / (331.4 + 0.6 * celsius)
+    table = {"reading_m": np.floor(us / 58) / 100, "distance_m": distance, "temperature_C": celsius}
+    assert "stuck_reading" not in accepted(table)
+
+
+@pytest.mark.statistical
 def test_a_reading_that_freezes_by_day_is_stuck(random: np.random.Generator) -> None:
     """In 200 of 200 tables drawn."""
     table = calm(random)
@@ -82,6 +92,21 @@ def test_a_reading_that_freezes_by_day_is_stuck(random: np.random.Generator) -> 
     table = {name: column[days] for name, column in table.items()}
     table["reading_m"][100:120] = table["reading_m"][100]
     assert "stuck_reading" in accepted(table)
+
+
+@pytest.mark.statistical
+def test_rows_beside_the_wrong_distance_are_no_dead_zone(random: np.random.Generator) -> None:
+    """In none of 80 tables drawn; before, in 21 of 80."""
+    shifted = next(fault for fault in registry.FAULTS if fault.facts.id == "shifted_rows")
+    for _ in range(10):
+        table = clean(random)
+        shifted.spoil(table, random)
+        assert accepted(table) == ["shifted_rows"]
+    for rows in random.integers(13, 40, 10):  # a clock that is late
+        stage = 2.0 + 0.8 * np.sin(np.linspace(0.0, random.uniform(8.0, 20.0), 400))
+        reading = np.append(np.full(rows, stage[0]), stage[:-rows]) + random.normal(0.0, 1e-3, 400)
+        table = {"reading_m": reading, "distance_m": stage, "temperature_C": np.full(400, 20.0)}
+        assert "blanking_distance" not in accepted(table)
 
 
 def crossing(random: np.random.Generator, humidity_step: float = 0.0) -> tuple[Columns, int]:

@@ -4,11 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from echocal.diagnose.faults.common.fault import Fault
+from echocal.diagnose.faults.common.fault import Fault, Found
 from echocal.diagnose.faults.common.values import recorded
 from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
-from echocal.diagnose.findings.finding import Finding
-from echocal.diagnose.findings.parts import Parameter
 from echocal.diagnose.preprocess.view import View
 from echocal.diagnose.settings.faults import FaultSettings
 from echocal.diagnose.settings.threshold import threshold
@@ -21,8 +19,6 @@ __all__ = ["FAULT"]
 class Thresholds:
     """Numbers that decide about this fault."""
 
-    fewest: float = threshold(3, "1", "rows at the limit; judgement")
-    others: float = threshold(8, "1", "rows that are not at the limit: they tell the scatter; judgement")
     safe: float = threshold(
         4.0,
         "1",
@@ -30,11 +26,6 @@ class Thresholds:
     )
     clipped: float = threshold(
         0.9, "1", "part of the rows that should be beyond the limit and are at it; judgement"
-    )
-    doubled: float = threshold(
-        0.3,
-        "1",
-        "part of the other rows that repeat a value, beyond which repeating means nothing; judgement",
     )
     most: float = threshold(0.5, "1", "part of all rows that may be clipped; judgement")
 
@@ -54,54 +45,35 @@ FACTS = CauseFacts(
 )
 
 
-def detect(view: View, settings: FaultSettings) -> Finding | None:
+def detect(view: View, own: Thresholds, settings: FaultSettings) -> Found | None:
     """Ask whether the largest reading repeats and nothing that should be beyond it is."""
-    own = settings.of(FACTS, Thresholds)
-    reference = view.reference
-    if reference is None or not view.good.any():
+    if view.reference is None or not view.good.any():
         return None
     values = np.where(view.good, recorded(view), -np.inf)
     top = float(values.max())
     at_limit = values >= top * (1 - 1e-12)
-    count = int(at_limit.sum())
-    if count < own.fewest:
+    count, others = int(at_limit.sum()), values[view.good & ~at_limit]
+    if count < 2 or not len(others):
         return None
-    limit = float(np.median(view.indication[at_limit]))
-    error = (view.indication - reference)[view.good & ~at_limit]
-    if len(error) < own.others:
-        return None
-    scatter = 1.4826 * float(np.median(np.abs(error - np.median(error)))) + 1e-5
-    center = float(np.median(error))
-    beyond = view.good & (reference + center > limit + own.safe * scatter)
-    should = view.good & (reference + center > limit - own.safe * scatter)
-    others = values[view.good & ~at_limit]
-    _, counts = np.unique(others, return_counts=True)
-    doubled = (float((counts - 1).sum()) + 0.5) / len(others)
-    clipped = float(at_limit[beyond].mean()) if beyond.any() else 1.0
-    far_short = reference[at_limit] + center - limit > -own.safe * scatter
+    limit, margin = float(np.median(view.indication[at_limit])), own.safe * view.scatter
+    beyond, should = (view.good & (view.expected > limit + off) for off in (margin, -margin))
     run = np.flatnonzero(at_limit)
-    if (
-        run[-1] - run[0] == count - 1
-        and not (reference[at_limit] + center > limit + own.safe * scatter).any()
-    ):
+    if run[-1] - run[0] == count - 1 and not (at_limit & beyond).any():
         return None  # one run of a value that could be measured: stuck, not clipped
-    if clipped < own.clipped or far_short.mean() < own.clipped or doubled > own.doubled:
-        return None
-    evidence = (count - 1) * -np.log(max(doubled, 1 / len(others))) - np.log(len(others))
     rows = at_limit | should
-    if rows.sum() > own.most * view.good.sum():
+    reached = at_limit[beyond].mean() if beyond.any() else 1.0
+    if min(reached, should[at_limit].mean()) < own.clipped or rows.sum() > own.most * view.good.sum():
         return None
+    repeated = 1 - (len(np.unique(others)) - 0.5) / len(others)
+    evidence = (count - 1) * -float(np.log(repeated)) - float(np.log(len(others)))
     because = (
         f"{count} rows read exactly {limit:.4f} m and none more, where the reference distance goes up to "
-        f"{float(reference[view.good].max()):.3f} m; the {int(rows.sum())} rows from "
-        f"{float(reference[rows].min()):.3f} m on are left out, so that clipping biases nothing"
+        f"{float(view.reference[view.good].max()):.3f} m; the {int(rows.sum())} rows from "
+        f"{float(view.reference[rows].min()):.3f} m on are left out, so that clipping biases nothing"
     )
-    parameters = (Parameter("limit", limit, 0.0, "m"), Parameter("rows", float(count), 0.0, "1"))
-    evidence = float(min(evidence, settings.cap))
     quantity = "echo_time" if view.observations.reading is None else "reading"
     rules = (RowRule(reason=FACTS.id, kind="at least", quantity=quantity, value=top),)
-    repaired = view.without(rows, FACTS.id)
-    return Finding(FACTS, evidence, because, parameters, rows, repaired, rules=rules)
+    return Found(rows, evidence, because, (limit, count), rules=rules)
 
 
 def spoil(table: Columns, random: np.random.Generator) -> None:

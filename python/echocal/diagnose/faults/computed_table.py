@@ -4,10 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from echocal.diagnose.faults.common.fault import Fault
+from echocal.diagnose.faults.common.fault import Fault, Found
 from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
-from echocal.diagnose.findings.finding import Finding
-from echocal.diagnose.findings.parts import Parameter
 from echocal.diagnose.preprocess.view import View
 from echocal.diagnose.settings.faults import FaultSettings
 from echocal.diagnose.settings.threshold import threshold
@@ -46,9 +44,8 @@ FACTS = CauseFacts(
 )
 
 
-def detect(view: View, settings: FaultSettings) -> Finding | None:
+def detect(view: View, own: Thresholds, _: FaultSettings) -> Found | None:
     """Fit a smooth law of distance and temperature; its residuals are at most the rounding."""
-    own = settings.of(FACTS, Thresholds)
     reference = view.reference
     if reference is None or view.resolution > own.rounding:
         return None
@@ -62,15 +59,14 @@ def detect(view: View, settings: FaultSettings) -> Finding | None:
     if fitted is None or fitted[0] > limit:
         return None
     scatter, freedom = fitted
-    evidence = min(freedom * float(np.log(own.usual / max(scatter, 1e-7))), settings.cap)
+    evidence = freedom * float(np.log(own.usual / max(scatter, 1e-7)))
     because = (
         f"the readings of {len(rows)} rows differ from a smooth law of distance and temperature by "
         f"{1e6 * scatter:.1f} um (standard deviation); a sensor scatters by {1e6 * own.usual:.0f} um and more"
     )
     mask = np.zeros(len(view), dtype=bool)
     mask[rows] = True
-    parameters = (Parameter("scatter", scatter, 0.0, "m"),)
-    return Finding(FACTS, evidence, because, parameters, mask, view.observations, share=0.0)
+    return Found(mask, evidence, because, (scatter,), view.observations, share=0.0)
 
 
 def _fitted(view: View, reference: np.ndarray, rows: np.ndarray, own: Thresholds) -> tuple[float, int] | None:

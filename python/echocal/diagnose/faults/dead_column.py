@@ -1,38 +1,23 @@
 """A sensor of an influence quantity that gave no value at all."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
-
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.diagnose.faults.common.fault import Fault
+from echocal.diagnose.faults.common.fault import Fault, Found
+from echocal.diagnose.faults.common.repair import with_values
 from echocal.diagnose.faults.common.values import POWER_ON
 from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
-from echocal.diagnose.findings.finding import Finding
-from echocal.diagnose.findings.parts import Parameter
 from echocal.diagnose.preprocess.view import View
 from echocal.diagnose.settings.faults import FaultSettings
-from echocal.diagnose.settings.threshold import threshold
 from echocal.errors import DataError
-from echocal.observations import Observations
 from echocal.observations.checks import CODES
-from echocal.observations.derived import derived
 from echocal.quantities import QUANTITIES
 
 __all__ = ["FAULT"]
 
 Column = NDArray[np.float64]
 
-
-@dataclass(frozen=True)
-class Thresholds:
-    """Numbers that decide about this fault."""
-
-    fewest: float = threshold(
-        10, "1", "rows without any value, for a sensor to be dead: fewer may be a choice; judgement"
-    )
-    each: float = threshold(1.0, "1", "log Bayes factor of a row that has the same code as all; judgement")
+_FEWEST = 10  # rows without any value, for a sensor to be dead: fewer may be a choice
 
 
 FACTS = CauseFacts(
@@ -49,7 +34,7 @@ FACTS = CauseFacts(
 )
 
 
-def detect(view: View, settings: FaultSettings) -> Finding | None:
+def detect(view: View, _: object, settings: FaultSettings) -> Found | None:
     """Look for columns of influence quantities that hold nothing else than one code, or nothing.
 
     Raises
@@ -57,8 +42,7 @@ def detect(view: View, settings: FaultSettings) -> Finding | None:
     DataError
         If the thermometer was dead.
     """
-    own = settings.of(FACTS, Thresholds)
-    if len(view) < own.fewest:
+    if len(view) < _FEWEST:
         return None
     observations = view.observations
     recorded = {n: c for n, c in observations.conditions.items() if _of_a_sensor(n)}
@@ -75,11 +59,9 @@ def detect(view: View, settings: FaultSettings) -> Finding | None:
         )
         raise DataError(message)
     because = f"{told}: the sensor was dead; left out"
-    repaired = _without(observations, list(dead))
-    parameters = (Parameter("columns", float(len(dead)), 0.0, "1"),)
-    evidence = min(own.each * len(view), settings.cap)
     rows = np.ones(len(view), dtype=bool)
-    return Finding(FACTS, evidence, because, parameters, rows, repaired)
+    repaired = with_values(view, rows, FACTS.id, **dict.fromkeys(dead))
+    return Found(rows, float(len(view)), because, (len(dead),), repaired)
 
 
 def _of_a_sensor(name: str) -> bool:
@@ -110,38 +92,9 @@ def _dead(name: str, column: Column, logged: bool) -> str:
     return "" if shown is None else f"is {shown:g}"
 
 
-def _without(observations: Observations, dropped: list[str]) -> Observations:
-    """The table without some columns; rows that only they made unusable come back."""
-    held = observations.conditions
-    recorded = {n: c for n, c in held.items() if QUANTITIES[n].derived_from is None and n not in dropped}
-    conditions = {n: c for n, c in held.items() if n in recorded or n == "hour_angle"}
-    conditions |= derived(recorded, observations.labels)
-    unusable = observations.unusable.astype(object)
-    back = np.zeros(len(unusable), dtype=bool)
-    for name in dropped:
-        source = observations.source_names.get(name, name)
-        back |= np.isin(unusable, (f"{source} missing", f"{source} out of range"))
-    unusable[back] = ""
-    for reason, rows in _hidden(recorded, observations.source_names).items():
-        unusable[back & rows & (unusable == "")] = reason
-    return replace(observations, conditions=conditions, unusable=unusable.astype(str))
-
-
-def _hidden(recorded: Mapping[str, Column], source_names: Mapping[str, str]) -> dict[str, NDArray[np.bool_]]:
-    """Other reasons that rows have, by reason: a row keeps only its first."""
-    found: dict[str, NDArray[np.bool_]] = {}
-    for name, column in recorded.items():
-        source = source_names.get(name, name)
-        found[f"{source} missing"] = np.isnan(column)
-        if QUANTITIES[name].forms:
-            low, high = QUANTITIES[name].forms[0].physical
-            found[f"{source} out of range"] = (column < low) | (column > high)
-    return found
-
-
 def spoil(table: Columns, random: np.random.Generator) -> None:
     """Give what an absent hygrometer gives, in all rows."""
     table["humidity_percent"][:] = random.choice([0.0, -999.0])
 
 
-FAULT = Fault(FACTS, detect, spoil, Thresholds())
+FAULT = Fault(FACTS, detect, spoil)

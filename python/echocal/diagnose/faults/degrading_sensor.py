@@ -1,22 +1,18 @@
 """A sensor that fails more and more often."""
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize
 from scipy.special import expit, log_expit
 
-from echocal.diagnose.faults.common.fault import Fault
+from echocal.diagnose.faults.common.fault import Fault, Found
+from echocal.diagnose.faults.common.likelihood import independent
 from echocal.diagnose.faults.common.values import recorded
 from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
-from echocal.diagnose.findings.finding import Finding
-from echocal.diagnose.findings.parts import Parameter
 from echocal.diagnose.preprocess.hold_out import HELD_OUT_ROW, NOT_HELD_OUT
 from echocal.diagnose.preprocess.view import View
 from echocal.diagnose.preprocess.window import OUTSIDE
 from echocal.diagnose.settings.faults import FaultSettings
-from echocal.diagnose.settings.threshold import threshold
 
 __all__ = ["FAULT"]
 
@@ -25,18 +21,6 @@ Mask = NDArray[np.bool_]
 
 _FAILURES = ("timeout", "multipath", "crosstalk", "censored_range")
 """Reasons of other faults that are failures of the sensor, each of one row."""
-
-
-@dataclass(frozen=True)
-class Thresholds:
-    """Numbers that decide about this fault."""
-
-    fewest: int = threshold(12, "1", "failed rows from which on a trend is fitted; judgement")
-    parts: int = threshold(20, "1", "parts of the table in which failures are counted; judgement")
-    at_last: float = threshold(
-        0.05, "1", "part of the rows that fail at the end, below which no user is concerned; judgement"
-    )
-    growth: float = threshold(2.0, "1", "odds at the end over odds at the start, at least; judgement")
 
 
 FACTS = CauseFacts(
@@ -58,38 +42,28 @@ FACTS = CauseFacts(
 )
 
 
-def detect(view: View, settings: FaultSettings) -> Finding | None:
+def detect(view: View, _: object, settings: FaultSettings) -> Found | None:
     """Fit a logistic trend to the failed rows, and compare it with a constant part."""
-    own = settings.of(FACTS, Thresholds)
-    time = view.observations.conditions.get("elapsed_time")
-    if time is None:
-        return None
+    time = view.observations.conditions["elapsed_time"]
     known = _asked_for(view, time)
     failed = _failed(view) & known
-    count = int(failed.sum())
-    if count < own.fewest or int(known.sum()) - count < own.fewest or np.ptp(time[known]) <= 0:
+    if not failed.any() or failed.sum() == known.sum() or np.ptp(time[known]) <= 0:
         return None
-    u = (time[known] - time[known].min()) / np.ptp(time[known])
-    y = failed[known]
+    u, y = _scaled(time[known]), failed[known]
     slope, level, gain = _trend(u, y)
-    first, last = float(expit(level)), float(expit(level + slope))
-    if slope < np.log(own.growth) or last < own.at_last:
+    if slope <= 0.0:
         return None
+    first, last = float(expit(level)), float(expit(level + slope))
     rival = max((_trend(_scaled(column), y)[2] for column in _others(view, known)), default=0.0)
-    spread = _dispersion(u, y, expit(level + slope * u), own.parts)
-    evidence = (gain - max(rival, 0.0)) / spread - 0.5 * np.log(len(y))
+    part = independent(y - expit(level + slope * u))  # failures come in runs
+    evidence = part * (gain - max(rival, 0.0)) - 0.5 * float(np.log(len(y)))
     half = u < 0.5
     because = (
         f"{100 * y[half].mean():.1f} % of the rows of the first half of the time have no usable reading, "
         f"and {100 * y[~half].mean():.1f} % of the second half; by the trend {100 * first:.1f} % at the "
         f"start and {100 * last:.1f} % at the end"
     )
-    parameters = (
-        Parameter("at_first", first, 0.0, "1"),
-        Parameter("at_last", last, 0.0, "1"),
-        Parameter("rows", float(count), 0.0, "1"),
-    )
-    return Finding(FACTS, min(float(evidence), settings.cap), because, parameters, failed, view.observations)
+    return Found(failed, evidence, because, (first, last, failed.sum()), view.observations)
 
 
 def _failed(view: View) -> Mask:
@@ -138,15 +112,6 @@ def _trend(u: Column, y: Mask) -> tuple[float, float, float]:
     return float(found.x[1]), float(found.x[0]), float(-found.fun - constant)
 
 
-def _dispersion(u: Column, y: Mask, expected: Column, parts: int) -> float:
-    """Variance of the counts in parts over that of independent rows, at least 1: failures come in runs."""
-    part = np.minimum((u * parts).astype(np.int64), parts - 1)
-    variance = np.bincount(part, expected * (1 - expected), minlength=parts)
-    off = np.bincount(part, y - expected, minlength=parts)
-    some = variance > 0
-    return max(float((off[some] ** 2 / variance[some]).sum()) / max(int(some.sum()) - 2, 1), 1.0)
-
-
 def spoil(table: Columns, random: np.random.Generator) -> None:
     """Lose readings: none at first, two of five at last."""
     time = table["time_s"] if "time_s" in table else np.arange(len(table["reading_m"]), dtype=float)
@@ -154,4 +119,4 @@ def spoil(table: Columns, random: np.random.Generator) -> None:
     table["reading_m"][random.random(len(u)) < 0.4 * u**2] = np.nan
 
 
-FAULT = Fault(FACTS, detect, spoil, Thresholds())
+FAULT = Fault(FACTS, detect, spoil)

@@ -6,11 +6,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.diagnose.faults.common.fault import Fault
-from echocal.diagnose.faults.common.ratio import divided, log_free, log_usual
+from echocal.diagnose.faults.common.fault import Fault, Found
+from echocal.diagnose.faults.common.ratio import log_free, log_usual
+from echocal.diagnose.faults.common.repair import divided
 from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
-from echocal.diagnose.findings.finding import Finding
-from echocal.diagnose.findings.parts import Parameter
 from echocal.diagnose.preprocess.view import View, least_absolute
 from echocal.diagnose.settings.faults import FaultSettings
 
@@ -58,7 +57,7 @@ class _Line(NamedTuple):
     shared: float
 
 
-def detect(view: View, settings: FaultSettings) -> Finding | None:
+def detect(view: View, _: object, settings: FaultSettings) -> Found | None:
     """Compare the slope of the readings over the reference with 1.
 
     A recorded angle may make the distance along the beam longer or shorter in proportion. So the slope is
@@ -87,14 +86,9 @@ def detect(view: View, settings: FaultSettings) -> Finding | None:
         f"readings are {found.factor:.2f} times the reference distance, at all distances "
         f"({found.factor:.4f} +/- {found.uncertainty:.1g}); the rest of the diagnosis divides them by that"
     )
-    return Finding(
-        FACTS,
-        float(np.clip(evidence, -settings.cap, settings.cap)),
-        because,
-        (Parameter("factor", found.factor, found.uncertainty, "1"),),
-        np.ones(len(view), dtype=bool),
-        divided(view, found.factor, "reading_m"),
-    )
+    every = np.ones(len(view), dtype=bool)
+    repaired = divided(view, every, FACTS.id, found.factor)
+    return Found(every, float(evidence), because, ((found.factor, found.uncertainty),), repaired)
 
 
 def _lines(view: View, near: float) -> Iterator[_Line]:

@@ -1,15 +1,16 @@
 """Fahrenheit in a column of degrees Celsius."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.diagnose.faults.common.fault import Fault
+from echocal.diagnose.faults.common.fault import Fault, Found
+from echocal.diagnose.faults.common.likelihood import by_echoes
+from echocal.diagnose.faults.common.repair import with_values
 from echocal.diagnose.faults.common.values import at_power_on
 from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
-from echocal.diagnose.findings.finding import Finding, listed
-from echocal.diagnose.findings.parts import Parameter
+from echocal.diagnose.findings.finding import listed
 from echocal.diagnose.preprocess.usable import some
 from echocal.diagnose.preprocess.view import View
 from echocal.diagnose.settings.faults import FaultSettings
@@ -21,6 +22,7 @@ __all__ = ["FAULT"]
 Column = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
+_FEWEST = 5  # rows with a temperature
 _HALF_WINDOW = 3  # rows on each side that vouch for a row's temperature
 
 
@@ -30,14 +32,7 @@ class Thresholds:
 
     usual: float = threshold(18.0, "degC", "center of the air that people measure in; judgement")
     spread: float = threshold(15.0, "K", "its spread; judgement")
-    odd: float = threshold(8.0, "K", "deviation from the neighbors for a row to be an outlier; judgement")
-    deviations: float = threshold(
-        8.0, "1", "the same in robust standard deviations of the neighbors; judgement"
-    )
     back: float = threshold(4.0, "K", "deviation from the neighbors once converted; judgement")
-    back_deviations: float = threshold(
-        5.0, "1", "the same in robust standard deviations of the neighbors; judgement"
-    )
     hottest: float = threshold(
         45.0, "degC", "of air outdoors and in rooms: a column that stays colder is no surprise"
     )
@@ -45,10 +40,6 @@ class Thresholds:
         6.0,
         "1",
         "log Bayes factor of one outlier that fits its neighbors as Fahrenheit; judgement",
-    )
-    most: float = threshold(0.4, "1", "part of the rows that may be single outliers; judgement")
-    cold: float = threshold(
-        30.0, "1", "log Bayes factor against a whole column in Fahrenheit that air may have had; judgement"
     )
 
 
@@ -72,59 +63,35 @@ def celsius(fahrenheit: Column) -> Column:
     return (fahrenheit - 32.0) / 1.8
 
 
-def detect(view: View, settings: FaultSettings) -> Finding | None:
-    """Ask whether all rows, or outliers, make sense as Fahrenheit."""
-    own, recorded = settings.of(FACTS, Thresholds), view.temperature
-    if recorded is None:
-        return None
+def detect(view: View, own: Thresholds, _: FaultSettings) -> Found | None:
+    """Ask whether outliers, or else all rows, make sense as Fahrenheit."""
+    recorded = view.observations.conditions["temperature"]
     known = np.isfinite(recorded)
-    if (known & ~at_power_on(recorded)).sum() < 5:
+    if (known & ~at_power_on(recorded)).sum() < _FEWEST:
         return None
     rows = _single(recorded, known, own)
-    evidence, why = min(own.each * float(rows.sum()), settings.cap), listed(rows)
-    if not rows.any() or rows.mean() > own.most:
-        if np.fmax.reduce(recorded) <= own.hottest and np.fmin.reduce(recorded) > -own.hottest:
-            return None
+    evidence, why = own.each * float(rows.sum()), listed(rows)
+    if not rows.any():
+        if np.fmax.reduce(recorded) <= own.hottest or abs(np.nanmedian(celsius(recorded))) > own.hottest:
+            return None  # no surprise; or no air either way: kelvin, for example
         rows, why = known, "the whole column"
-        evidence = _whole(recorded[known], own)
-        if abs(np.median(celsius(recorded[known]))) > own.hottest:
-            return None  # no air either way: kelvin, for example
-        if evidence < 0.0 or _contradicted(view):
-            return None
-    low, high = (float(np.quantile(recorded[rows], q)) for q in (0.0, 1.0))
+        evidence = _whole(recorded[known], own) + by_echoes(view, _converted(view, known), known)
+    low, high = float(recorded[rows].min()), float(recorded[rows].max())
     because = (
         f"{why}: {low:.1f} .. {high:.1f} in a column of degC is, read as Fahrenheit, "
         f"{celsius(np.array(low)):.1f} .. {celsius(np.array(high)):.1f} degC, which fits the air"
         f"{'' if rows is known else ' of the rows around'}; the diagnosis goes on with these"
     )
-    return Finding(
-        FACTS,
-        float(evidence),
-        because,
-        (Parameter("rows", float(rows.sum()), 0.0, "1"),),
-        rows,
-        _converted(view, rows),
-    )
+    return Found(rows, evidence, because, (rows.sum(),), _converted(view, rows))
 
 
 def _whole(recorded: Column, own: Thresholds) -> float:
     """Log Bayes factor of Fahrenheit against Celsius, by what air is like."""
     ends = np.quantile(recorded, [0.5, 0.98])
-
-    def surprise(values: Column) -> float:
-        return float(3.0 * np.log1p(((values - own.usual) / own.spread) ** 2 / 4).sum())
-
-    return surprise(ends) - surprise(celsius(ends)) - (0.0 if ends[1] > own.hottest else own.cold)
-
-
-def _contradicted(view: View) -> bool:
-    """Whether recorded echo times are further from the reference with every row taken for Fahrenheit."""
-    reference, good = view.reference, view.good
-    if reference is None or view.observations.reading is not None or not good.any():
-        return False  # a reading tells no air: the device knew it
-    looks = (view, view.after(_converted(view, good)))
-    as_it_is, converted = (np.median(np.abs(look.indication - reference)[good]) for look in looks)
-    return bool(converted >= as_it_is)
+    as_it_is, converted = (
+        3.0 * np.log1p(((values - own.usual) / own.spread) ** 2 / 4).sum() for values in (ends, celsius(ends))
+    )
+    return float(as_it_is - converted)
 
 
 def _single(recorded: Column, known: Mask, own: Thresholds) -> Mask:
@@ -132,39 +99,19 @@ def _single(recorded: Column, known: Mask, own: Thresholds) -> Mask:
     rows = np.zeros(len(recorded), dtype=bool)
     at = np.flatnonzero(known & ~at_power_on(recorded))  # 85 degC is a reset, not 29.4 degC
     values = some(recorded, at)
-    if _HALF_WINDOW * np.abs(np.diff(values)).max(initial=0.0) <= own.odd:
+    if _HALF_WINDOW * np.abs(np.diff(values)).max(initial=0.0) <= 2 * own.back:
         return rows  # no row can be that far from its neighbors
     import pandas as pd  # takes long to import
 
     around = pd.Series(values).rolling(2 * _HALF_WINDOW + 1, center=True, min_periods=3).median().to_numpy()
-    scatter = 1.4826 * float(np.median(np.abs(values - around)))
-    limit = max(own.odd, own.deviations * scatter)
     off, off_converted = np.abs(values - around), np.abs(celsius(values) - around)
-    near = max(own.back, own.back_deviations * scatter)
-    rows[at] = (off > limit) & (off_converted < np.minimum(0.5 * off, near))
+    rows[at] = (off > 2 * own.back) & (off_converted < own.back)
     return rows
 
 
 def _converted(view: View, rows: Mask) -> Observations:
-    observations = view.observations
-    recorded = observations.conditions["temperature"]
-    temperature = np.where(rows, celsius(recorded), recorded)
-    unusable = observations.unusable.astype(object)
-    name = observations.source_names.get("temperature", "temperature_C")
-    unusable[rows & (unusable == f"{name} out of range")] = ""
-    echo_time = observations.echo_time
-    if observations.reading is not None:  # the device knew its air; its reading stands
-        speed = view.base.indication(np.full(len(view), 2.0), {**observations.conditions})
-        right = view.base.indication(
-            np.full(len(view), 2.0), {**observations.conditions, "temperature": temperature}
-        )
-        echo_time = np.where(rows, echo_time * speed / right, echo_time)
-    return replace(
-        observations,
-        echo_time=echo_time,
-        conditions={**observations.conditions, "temperature": temperature},
-        unusable=unusable.astype(str),
-    )
+    recorded = view.observations.conditions["temperature"]
+    return with_values(view, rows, FACTS.id, temperature=celsius(recorded))
 
 
 def spoil(table: Columns, random: np.random.Generator) -> None:

@@ -13,16 +13,16 @@ they must be farther off than air or a thermometer can explain; less is left to 
 that a cause which few rows carry is not named.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.diagnose.faults.common.fault import Fault
+from echocal.diagnose.faults.common.fault import Fault, Found
 from echocal.diagnose.faults.common.values import millimeters
 from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
-from echocal.diagnose.findings.finding import Finding, listed
-from echocal.diagnose.findings.parts import Parameter
+from echocal.diagnose.findings.finding import listed
 from echocal.diagnose.preprocess.view import View
 from echocal.diagnose.preprocess.window import OUTSIDE
 from echocal.diagnose.settings.faults import FaultSettings
@@ -33,10 +33,10 @@ __all__ = ["FAULT"]
 
 Column = NDArray[np.float64]
 Labels = NDArray[np.int64]
-Mask = NDArray[np.bool_]
 
-_MAD_TO_SD = 1.4826  # of a normal distribution
 _BLOCKS = 400  # stretches that are enough for a quantile
+_STEADY = 5  # rows of a constant offset from which on it is a step: where onsets are tried
+_AFTER = 13  # rows whose median a stretch is compared with, at least
 _TIME_CONSTANTS = (
     60  # tried for an exponential approach: neighbors differ by 8 % where 1 % of the rows is off
 )
@@ -48,25 +48,13 @@ class Thresholds:
 
     fewest: int = threshold(3, "1", "rows from which on it is no lone outlier; judgement")
     part: float = threshold(0.1, "1", "largest part of the log that is its beginning; judgement")
-    longest: float = threshold(6 * 3600.0, "s", "longest installation: an afternoon; judgement")
     off: float = threshold(6.0, "1", "robust standard deviations from which on a row is off; judgement")
-    after: int = threshold(13, "1", "rows whose median a stretch is compared with, at least; judgement")
-    fewest_stretches: int = threshold(8, "1", "other stretches of the log, at least; judgement")
     usual: float = threshold(0.05, "1", "part of the other stretches that may be farther off; judgement")
     tail: float = threshold(
         3.0, "1", "exponent of the tail beyond them: that of Student's t with 3 degrees; judgement"
     )
-    undecided: float = threshold(
-        3.0, "1", "log odds within which two ends are about equally probable: the later one counts; judgement"
-    )
     described: float = threshold(
         0.25, "1", "part of the deviation that a law may leave in nine of ten rows; judgement"
-    )
-    steady: int = threshold(
-        5, "1", "rows of a constant offset from which on it is a step: where onsets are tried"
-    )
-    resolved: float = threshold(
-        3.0, "rows", "shortest time constant of an exponential approach that rows show; judgement"
     )
 
 
@@ -109,44 +97,31 @@ class _Beginning:
     usual: float
 
 
-def detect(view: View, settings: FaultSettings) -> Finding | None:
+def detect(view: View, own: Thresholds, settings: FaultSettings) -> Found | None:
     """Look for a beginning that is farther off than any other part of the log."""
-    own = settings.of(FACTS, Thresholds)
-    time = view.observations.conditions.get("elapsed_time")
-    if time is None:
-        return None
+    time = view.observations.conditions["elapsed_time"]
     rows = np.flatnonzero(view.good & np.isfinite(time) & np.isfinite(view.deviation))
-    if np.any(np.diff(time[rows]) < 0):
-        rows = rows[np.argsort(time[rows], kind="stable")]
+    rows = rows[np.argsort(time[rows], kind="stable")]
     if not len(rows) or _cut_off(view, time, float(time[rows[0]])):
         return None
     value = (view.deviation if view.known else view.indication)[rows]
-    since = time[rows] - time[rows[0]]
-    most = min(int(own.part * len(rows)), int(np.searchsorted(since, own.longest, side="right")))
-    found = _end(value, most, view.scatter, own)
+    found = max(_ends(value, view.scatter, own), key=lambda one: one.log_bayes, default=None)
     if found is None:
         return None
-    count, expected = found.count, view.expected[rows]
+    count, expected, since = found.count, view.expected[rows], time[rows] - time[rows[0]]
     if found.off < settings.far.part * np.median(np.abs(expected[count:])):  # a warm thermometer may do that
         return None
     if _lawful(value, since, expected, found, own) or _confounded(view, rows, count):
         return None
-    first = np.zeros(len(view), dtype=bool)
-    first[rows[:count]] = True
+    first = np.isin(np.arange(len(view)), rows[:count])
     duration = float(since[count])
     because = (
         f"{listed(first)}, the first {_lasting(duration)} of the log, are {millimeters(found.off)} off the "
         f"rows after them (median), where {100 * (1 - own.usual):g} % of the other stretches of {count} rows "
         f"are at most {millimeters(found.usual)} off; left out"
     )
-    parameters = (
-        Parameter("rows", float(count), 0.0, "1"),
-        Parameter("duration", duration, 0.0, "s"),
-        Parameter("off", found.off, 0.0, "m"),
-    )
-    evidence, repaired = min(found.log_bayes, settings.cap), view.without(first, FACTS.id)
-    rules = _rules(view, rows, count)
-    return Finding(FACTS, evidence, because, parameters, first, repaired, rules=rules)
+    sizes = (count, duration, found.off)
+    return Found(first, found.log_bayes, because, sizes, rules=_rules(view, rows, count))
 
 
 def _lasting(seconds: float) -> str:
@@ -162,23 +137,16 @@ def _cut_off(view: View, time: Column, begin: float) -> bool:
     return bool(outside.any() and np.nanmin(np.where(outside, time, np.nan)) < begin)
 
 
-def _end(value: Column, most: int, scatter: float, own: Thresholds) -> _Beginning | None:
-    """The last end that is about as probable as the most probable one."""
-    found: dict[int, _Beginning] = {}
-    length = 2 * own.fewest
-    while most >= own.fewest:
-        count = _last(value, min(length, most), scatter, own)
-        if count is not None and count not in found:
-            off, usual, rank = _contrast(value, count, scatter, own)
-            if off > usual:
-                log = float(own.tail * np.log(off / usual) - np.log(rank) - np.log(most))
-                found[count] = _Beginning(count, log, off, usual)
-        if length >= most:
-            break
-        length *= 2
-    best = max((one.log_bayes for one in found.values()), default=0.0)
-    likely = [one for one in found.values() if one.log_bayes > max(best - own.undecided, 0.0)]
-    return max(likely, key=lambda one: one.count, default=None)
+def _ends(value: Column, scatter: float, own: Thresholds) -> Iterator[_Beginning]:
+    """Ends of the installation that are more likely than none, from beginnings of more and more rows."""
+    most, length = int(own.part * len(value)), own.fewest
+    while length < most:
+        length = min(2 * length, most)
+        count = _last(value, length, scatter, own)
+        off, usual, rank = (0.0, np.inf, 1.0) if count is None else _contrast(value, count, scatter, own)
+        if count is not None and off > usual:
+            log = float(own.tail * np.log(off / usual) - np.log(rank) - np.log(most))
+            yield _Beginning(count, log, off, usual)
 
 
 def _last(value: Column, length: int, scatter: float, own: Thresholds) -> int | None:
@@ -186,11 +154,11 @@ def _last(value: Column, length: int, scatter: float, own: Thresholds) -> int | 
 
     None where no row is off, or where it has not ended by then.
     """
-    ahead = value[length : 2 * length + own.after]
-    if len(ahead) < own.after:
+    ahead = value[length : 2 * length + _AFTER]
+    if len(ahead) < _AFTER:
         return None
     center = float(np.median(ahead))
-    scale = max(_MAD_TO_SD * float(np.median(np.abs(ahead - center))), scatter)
+    scale = max(1.4826 * float(np.median(np.abs(ahead - center))), scatter)
     unit = np.abs(value[:length] - center) / scale
     far = unit > own.off
     if far.sum() < own.fewest:
@@ -212,9 +180,9 @@ def _contrast(value: Column, count: int, scatter: float, own: Thresholds) -> tup
 
     These are the terms of docs/method.md, Eq. 30a.
     """
-    after = max(count, own.after)
+    after = max(count, _AFTER)
     blocks = (len(value) - after) // count
-    if blocks <= own.fewest_stretches:
+    if blocks < 2:
         return 0.0, np.inf, 1.0
     firsts = np.arange(blocks)[:: -(-blocks // _BLOCKS)] * count
     inside = value[firsts[:, None] + np.arange(count)]
@@ -230,22 +198,18 @@ def _lawful(value: Column, since: Column, distance: Column, found: _Beginning, o
 
     The approach is that of a mount [m], or that of a thermometer, in proportion to the distance.
     """
-    count = found.count
+    span = min(4 * found.count, len(value))
+    y, s, early = value[:span], since[:span], np.arange(span) < found.count
+    shortest = 3.0 * float(np.median(np.diff(s)))  # that rows show
+    constants = np.geomspace(shortest, s[-1], _TIME_CONSTANTS) if 0 < shortest < s[-1] else ()
+    laws = [each * np.exp(-s / constant) for constant in constants for each in (1.0, distance[:span])]
+    laws += [early.astype(np.float64)] if found.count > _STEADY else []
     least = max(2.0 * found.usual, own.described * found.off)
-    first = value[:count]
-    if count > own.steady and np.quantile(np.abs(first - np.median(first)), 0.9) <= least:
-        return True
-    span = min(4 * count, len(value))
-    y, s = value[:span], since[:span]
-    shortest = own.resolved * float(np.median(np.diff(s)))
-    if shortest <= 0 or shortest >= s[-1]:
-        return False
-    for constant in np.geomspace(shortest, s[-1], _TIME_CONSTANTS):
-        for fades in (np.exp(-s / constant), distance[:span] * np.exp(-s / constant)):
-            basis = np.stack([np.ones(span), fades], axis=1)
-            left = y - basis @ np.linalg.lstsq(basis, y, rcond=None)[0]
-            if np.quantile(np.abs(left[: 2 * count]), 0.9) <= least:
-                return True
+    for law in laws:
+        basis = np.stack([np.ones(span), law], axis=1)
+        left = y - basis @ np.linalg.lstsq(basis, y, rcond=None)[0]
+        if np.quantile(np.abs(left[: 2 * found.count]), 0.9) <= least:
+            return True
     return False
 
 

@@ -4,11 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from echocal.diagnose.faults.common.fault import Fault
+from echocal.diagnose.faults.common.fault import Fault, Found
 from echocal.diagnose.faults.common.outliers import count_evidence, far_rule, one_sided_outliers
 from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
-from echocal.diagnose.findings.finding import Finding, listed
-from echocal.diagnose.findings.parts import Parameter
+from echocal.diagnose.findings.finding import listed
 from echocal.diagnose.preprocess.view import View
 from echocal.diagnose.settings.faults import FaultSettings
 from echocal.diagnose.settings.threshold import threshold
@@ -41,9 +40,8 @@ FACTS = CauseFacts(
 )
 
 
-def detect(view: View, settings: FaultSettings) -> Finding | None:
+def detect(view: View, own: Thresholds, settings: FaultSettings) -> Found | None:
     """Count rows that read far too long, and those at twice the distance."""
-    own = settings.of(FACTS, Thresholds)
     rows = one_sided_outliers(view, 1, settings)
     count = int(rows.sum())
     if not count:
@@ -55,10 +53,9 @@ def detect(view: View, settings: FaultSettings) -> Finding | None:
         f"{listed(rows)} read far too long, {twice} of {count} at twice the distance (row {worst + 1}: "
         f"{view.indication[worst]:.3f} m, where {view.expected[worst]:.3f} m is expected); left out"
     )
-    parameters = (Parameter("rows", float(count), 0.0, "1"), Parameter("twice", float(twice), 0.0, "1"))
     evidence = count_evidence(view, rows, settings) + own.each_twice * twice
-    rules, repaired = (far_rule(view, FACTS.id, 1, settings),), view.without(rows, FACTS.id)
-    return Finding(FACTS, min(evidence, settings.cap), because, parameters, rows, repaired, rules=rules)
+    rules = (far_rule(view, FACTS.id, 1, settings),)
+    return Found(rows, evidence, because, (count, twice), rules=rules)
 
 
 def spoil(table: Columns, random: np.random.Generator) -> None:

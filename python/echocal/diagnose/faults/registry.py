@@ -22,8 +22,6 @@ def _fault(id_: str) -> Fault:
 FAULTS: tuple[Fault, ...] = tuple(
     _fault(id_)
     for id_ in (
-        "blanking_distance",
-        "stuck_reading",
         "dead_column",
         "swapped_columns",
         "swapped_time_distance",
@@ -32,6 +30,8 @@ FAULTS: tuple[Fault, ...] = tuple(
         "unit_mixup",
         "device_factor",
         "shifted_rows",
+        "blanking_distance",
+        "stuck_reading",
         "computed_table",
         "censored_range",
         "reset_temperature",

@@ -1,22 +1,18 @@
 """A digital thermometer that answers before it has measured."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from echocal.diagnose.faults.common.fault import Fault
+from echocal.diagnose.faults.common.fault import Fault, Found
+from echocal.diagnose.faults.common.repair import with_values
 from echocal.diagnose.faults.common.values import POWER_ON, at_power_on
 from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
-from echocal.diagnose.findings.finding import Finding, listed
-from echocal.diagnose.findings.parts import Parameter
+from echocal.diagnose.findings.finding import listed
 from echocal.diagnose.preprocess.view import View
 from echocal.diagnose.settings.faults import FaultSettings
 from echocal.diagnose.settings.threshold import threshold
-from echocal.observations import Observations
-from echocal.observations.derived import derived
 from echocal.observations.marks import RowRule
-from echocal.quantities import QUANTITIES
 
 __all__ = ["FAULT"]
 
@@ -28,7 +24,6 @@ class Thresholds:
     apart: float = threshold(
         15.0, "K", "from the median of the other rows, for 85 degC to be no air temperature; judgement"
     )
-    most: float = threshold(0.5, "1", "part of the rows that may have the value; judgement")
     each: float = threshold(12.0, "1", "log Bayes factor of a row that has exactly this value; judgement")
 
 
@@ -47,14 +42,12 @@ FACTS = CauseFacts(
 )
 
 
-def detect(view: View, settings: FaultSettings) -> Finding | None:
+def detect(view: View, own: Thresholds, _: FaultSettings) -> Found | None:
     """Look for rows with exactly the value at power-on, far from what the others have."""
-    own, recorded = settings.of(FACTS, Thresholds), view.temperature
-    if recorded is None:
-        return None
+    recorded = view.observations.conditions["temperature"]
     rows = at_power_on(recorded) & np.isfinite(view.observations.echo_time)
     others = np.isfinite(recorded) & ~rows
-    if not rows.any() or rows.sum() > own.most * len(rows) or not others.any():
+    if not rows.any() or not others.any():
         return None
     usual = float(np.median(recorded[others]))
     if np.abs(recorded[rows] - usual).min() < own.apart:
@@ -63,20 +56,12 @@ def detect(view: View, settings: FaultSettings) -> Finding | None:
         f"{listed(rows)}: exactly {recorded[rows][0]:g} degC, the value of a DS18B20 at power-on, "
         f"where the other rows have a median of {usual:.1f} degC; left out"
     )
-    evidence = min(own.each * float(rows.sum()), settings.cap)
-    parameters = (Parameter("rows", float(rows.sum()), 0.0, "1"),)
     rules = tuple(
         RowRule(reason=FACTS.id, kind="equals", quantity="temperature", value=value) for value in POWER_ON
     )
-    return Finding(FACTS, evidence, because, parameters, rows, _without(view, rows), rules=rules)
-
-
-def _without(view: View, rows: NDArray[np.bool_]) -> Observations:
-    """The table without these rows, also in what is derived from the rows around."""
-    left = view.without(rows, FACTS.id)
-    recorded = {n: c for n, c in left.conditions.items() if QUANTITIES[n].derived_from is None}
-    recorded["temperature"] = np.where(rows, np.nan, recorded["temperature"])
-    return replace(left, conditions={**left.conditions, **derived(recorded, left.labels)})
+    left = view.after(view.without(rows, FACTS.id))
+    repaired = with_values(left, rows, FACTS.id, temperature=np.full(len(view), np.nan))
+    return Found(rows, own.each * float(rows.sum()), because, (rows.sum(),), repaired, rules)
 
 
 def spoil(table: Columns, random: np.random.Generator) -> None:

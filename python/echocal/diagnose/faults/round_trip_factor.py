@@ -2,11 +2,10 @@
 
 import numpy as np
 
-from echocal.diagnose.faults.common.fault import Fault
-from echocal.diagnose.faults.common.ratio import divided, factor_of
+from echocal.diagnose.faults.common.fault import Fault, Found
+from echocal.diagnose.faults.common.ratio import factor_of
+from echocal.diagnose.faults.common.repair import divided
 from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
-from echocal.diagnose.findings.finding import Finding
-from echocal.diagnose.findings.parts import Parameter
 from echocal.diagnose.preprocess.view import View
 from echocal.diagnose.settings.faults import FaultSettings
 
@@ -27,20 +26,20 @@ FACTS = CauseFacts(
 )
 
 
-def detect(view: View, settings: FaultSettings) -> Finding | None:
+def detect(view: View, _: object, settings: FaultSettings) -> Found | None:
     """Compare the median ratio of reading and reference with 2 and 1/2."""
-    found = factor_of(view, (2.0, 0.5, 2.54, 1 / 2.54), settings)  # an inch is near enough to be a rival
+    found = factor_of(
+        view, (2.0, 0.5, 2.54, 1 / 2.54), settings.factor
+    )  # an inch is near enough to be a rival
     if found is None or found.value not in (2.0, 0.5):
         return None
-    because = f"readings are {found.ratio:.3f} times the reference distance (median of all rows)"
-    return Finding(
-        FACTS,
-        found.log_bayes,
-        f"{because}; the rest of the diagnosis divides them by {found.value:g}",
-        (Parameter("factor", found.value, 0.0, "1"),),
-        np.ones(len(view), dtype=bool),
-        divided(view, found.value, "reading_m"),
+    because = (
+        f"readings are {found.ratio:.3f} times the reference distance (median of all rows); the rest of the "
+        f"diagnosis divides them by {found.value:g}"
     )
+    every = np.ones(len(view), dtype=bool)
+    repaired = divided(view, every, FACTS.id, found.value)
+    return Found(every, found.log_bayes, because, (found.value,), repaired)
 
 
 def spoil(table: Columns, random: np.random.Generator) -> None:

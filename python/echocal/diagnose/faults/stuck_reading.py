@@ -5,11 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.diagnose.faults.common.fault import Fault
+from echocal.diagnose.faults.common.fault import Fault, Found
 from echocal.diagnose.faults.common.values import expected_everywhere, recorded
 from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
-from echocal.diagnose.findings.finding import Finding
-from echocal.diagnose.findings.parts import Parameter
 from echocal.diagnose.preprocess.view import View
 from echocal.diagnose.settings.faults import FaultSettings
 from echocal.diagnose.settings.threshold import threshold
@@ -18,20 +16,17 @@ from echocal.observations.marks import RowRule
 __all__ = ["FAULT"]
 
 _FINEST = 1e-6  # m; below it no two readings are equal by chance
-_NOISES = np.geomspace(0.02, 2000.0, 200)  # in steps of the readings
+_SHORTEST, _MOST = 4, 5  # rows of a run that is looked at, and frozen runs of a table: more take time
+_INSIDE = 6.0  # robust standard deviations from row to row: the others are outliers
+_LEAST = 0.1  # of half a step: rounding hides less noise
 
 
 @dataclass(frozen=True)
 class Thresholds:
     """Numbers that decide about this fault."""
 
-    shortest: float = threshold(4, "1", "rows of one value; judgement")
-    most: float = threshold(5, "1", "runs: more of them are how this sensor is; judgement")
     tail: float = threshold(
         10, "1", "other runs, at least, that tell how runs of some length go on; judgement"
-    )
-    elsewhere: float = threshold(
-        8, "1", "rows outside of the longest run that tell how often neighbors are equal; judgement"
     )
 
 
@@ -61,22 +56,13 @@ def runs(values: NDArray[np.float64]) -> tuple[NDArray[np.int64], NDArray[np.int
     return starts, np.diff(np.append(starts, len(values)))
 
 
-def detect(view: View, settings: FaultSettings) -> Finding | None:
+def detect(view: View, own: Thresholds, settings: FaultSettings) -> Found | None:
     """Compare the longest runs with how often neighbors would be equal by themselves."""
-    own = settings.of(FACTS, Thresholds)
     values = np.where(view.good, recorded(view), np.nan)
     starts, lengths = runs(values)
-    if lengths.max() < own.shortest:
+    if lengths.max() < _SHORTEST or len(lengths) < 2:
         return None
-    elsewhere = np.delete(lengths, int(np.argmax(lengths)))
-    rows_elsewhere = max(int(elsewhere.sum()), 1)
-    equal = (float((elsewhere - 1).sum()) + 0.5) / rows_elsewhere
-    if rows_elsewhere < own.elsewhere:
-        return None
-    surprise = np.zeros(len(lengths))
-    for run in np.flatnonzero(lengths >= own.shortest):  # somewhere among n rows
-        rows = slice(starts[run], starts[run] + lengths[run])
-        surprise[run] = -_by_chance(view, rows, equal) - np.log(len(values))
+    surprise = _surprise(view, starts, lengths)
     long, evidence, usual = _longest(lengths, surprise, own)
     if evidence <= 0.0:
         return None
@@ -92,17 +78,10 @@ def detect(view: View, settings: FaultSettings) -> Finding | None:
         f"rows {first + 1} to {first + length} all read {value:.4f} m; by the step of the readings, their "
         f"noise and the other runs {usual:.2g} such runs are expected; repeated rows are left out"
     )
-    parameters = (
-        Parameter("first_row", first + 1.0, 0.0, "1"),
-        Parameter("length", float(length), 0.0, "1"),
-        Parameter("value", value, 0.0, "m"),
-    )
-    evidence = min(evidence, settings.cap)
     quantity = "echo_time" if view.observations.reading is None else "reading"
     shortest = int(lengths[long].min())
     rules = (RowRule(reason=FACTS.id, kind="run", quantity=quantity, length=shortest),)
-    repaired = view.without(frozen, FACTS.id)
-    return Finding(FACTS, evidence, because, parameters, frozen, repaired, rules=rules)
+    return Found(frozen, evidence, because, (first + 1, length, value), rules=rules)
 
 
 def _longest(
@@ -116,7 +95,7 @@ def _longest(
     candidates = np.flatnonzero(surprise > 0.0)
     candidates = candidates[np.argsort(-lengths[candidates], kind="stable")]
     best: tuple[NDArray[np.int64], float, float] = (candidates[:0], 0.0, 1.0)
-    for count in range(1, min(int(own.most), len(candidates)) + 1):
+    for count in range(1, min(_MOST, len(candidates)) + 1):
         chosen = candidates[:count]
         others = np.delete(lengths, chosen)
         log_expected = _log_expected(others, count, int(lengths[chosen[-1]]), own)
@@ -154,31 +133,29 @@ def _log_expected(others: NDArray[np.int64], longer: int, length: int, own: Thre
     return expected if np.isfinite(expected) else 0.0
 
 
-def _by_chance(view: View, rows: slice, equal: float) -> float:
-    """Log probability that all rows of a run fall into one step of the readings by themselves.
+def _surprise(view: View, starts: NDArray[np.int64], lengths: NDArray[np.int64]) -> NDArray[np.float64]:
+    """Log improbability that all rows of a run fall into one step of the readings, somewhere in the table.
 
-    Noise carries each row's expectation into the run's step, or not; as often as neighbors are equal
-    elsewhere they are equal here at least.
+    Noise carries each row's expectation into the run's step, or not. The noise is that of the other rows,
+    from row to row and less what rounding makes. As often as neighbors are equal there, they are equal here.
     """
     from scipy.special import ndtr  # takes long to import
 
-    half = 0.5 * max(view.resolution, _FINEST)
-    noise = 2 * half * float(np.interp(-equal, -_equal_neighbors(_NOISES), _NOISES))
-    off = view.expected[rows] - np.median(view.expected[rows])  # the run's own level is its business
-    inside = ndtr((half - off) / noise) - ndtr((-half - off) / noise)
-    return float(np.log(np.clip(inside, max(equal, 1e-12), 1.0))[1:].sum())
-
-
-def _equal_neighbors(noise: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Part of neighbors that are equal, by the standard deviation of normal noise in steps of the readings.
-
-    It is the mean of `1 - |x|`, not below 0, over the difference `x` of two rows before their rounding.
-    """
-    from scipy.special import ndtr  # takes long to import
-
-    of_difference = np.sqrt(2.0) * noise
-    density = np.exp(-0.5 / of_difference**2)
-    return np.asarray(2 * ndtr(1 / of_difference) - 1 - np.sqrt(2 / np.pi) * of_difference * (1.0 - density))
+    half, rows = 0.5 * max(view.resolution, _FINEST), len(view)
+    jump = np.nan_to_num(np.diff(view.deviation, prepend=np.nan))
+    total = np.cumsum(np.minimum(jump**2, (_INSIDE * view.scatter) ** 2))
+    surprise = np.zeros(len(lengths))
+    for run in np.flatnonzero(lengths >= _SHORTEST):
+        first, last = starts[run], starts[run] + lengths[run] - 1
+        elsewhere = max(rows - int(lengths[run]), 1)
+        square = (total[-1] - total[last] + total[first]) / elsewhere
+        noise = np.sqrt(max(0.5 * square - half**2 / 3, (_LEAST * half) ** 2))
+        equal = (elsewhere - len(lengths) + 1.5) / elsewhere
+        off = view.expected[first : last + 1]
+        off = off - np.median(off)  # the run's own level is its business
+        inside = ndtr((half - off) / noise) - ndtr((-half - off) / noise)
+        surprise[run] = -np.log(np.clip(inside, max(equal, 1e-12), 1.0))[1:].sum() - np.log(rows)
+    return surprise
 
 
 def spoil(table: Columns, random: np.random.Generator) -> None:

@@ -1,50 +1,54 @@
 """Temperature and humidity exchanged."""
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.diagnose.faults.common.crossing import Crossing, at_crossing, crossings, refined
-from echocal.diagnose.faults.common.fault import Fault
+from echocal.diagnose.faults.common.fault import Fault, Found
+from echocal.diagnose.faults.common.likelihood import by_echoes
+from echocal.diagnose.faults.common.repair import with_values
 from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
-from echocal.diagnose.findings.finding import Finding, listed
-from echocal.diagnose.findings.parts import Parameter
+from echocal.diagnose.findings.finding import listed
+from echocal.diagnose.preprocess.quantization_grid import find_grid
 from echocal.diagnose.preprocess.usable import some
 from echocal.diagnose.preprocess.view import View
 from echocal.diagnose.settings.faults import FaultSettings
 from echocal.diagnose.settings.threshold import threshold
 from echocal.observations import Observations
-from echocal.observations.quantiles import median
 
 __all__ = ["FAULT"]
 
 Column = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
-_AROUND = 6  # rows before and after a seam that are compared
-_CANDIDATES = 12  # largest jumps that are looked at, besides the change of roughness
-_ENOUGH = 20_000  # steps that tell which ones are none
-_PART = 1000  # rows of which the largest jump is looked at first
+_CANDIDATES = 12  # largest jumps that are looked at, and crossings, besides the change of roughness
+_WINDOWS = (30, 15, 8)  # rows on each side: the line of the middle one, and whether it bends
+_FITS = [np.linalg.pinv(np.stack([np.ones(n), np.arange(n)], axis=1)) for n in _WINDOWS]
+_NEAR = 60  # rows around a change of roughness in which the seam is looked for
+_ENOUGH = 3_000  # rows on each side that tell enough
+_MARGIN = 8  # rows beside a seam whose steps do not count, as the seam may be some rows off
+_FLOOR = np.array([0.5, 0.01])  # level, and its change per row, to which nobody knows them
+_ALIKE = 0.95  # largest autocorrelation of 30 rows with a line taken off, which lowers it by 0.1
+_COLDEST, _HOTTEST = -60.0, 60.0  # degC, of air: the record is 57 degC (WMO, 1913)
 
 
 @dataclass(frozen=True)
 class Thresholds:
     """Numbers that decide about this fault."""
 
-    fewest: float = threshold(30, "1", "rows of a table; judgement")
-    before: float = threshold(15, "1", "rows before a seam that tell how rough the columns are; judgement")
-    outlier: float = threshold(8.0, "1", "scales beyond which a step says no more; judgement")
-    fits: float = threshold(3.0, "1", "scales that the levels may differ by across the seam; judgement")
-    level: float = threshold(12.0, "1", "largest log likelihood of a difference of levels; judgement")
-    witnesses: float = threshold(
-        60.0, "1", "rows after the seam that count as independent: neighbors are alike; judgement"
+    line: float = threshold(
+        20.0, "1", "largest log likelihood of a line that goes on as the other column's; judgement"
     )
-    cap: float = threshold(40.0, "1", "largest log Bayes factor; judgement")
-    echoes: float = threshold(
-        40.0, "1", "largest log Bayes factor of echo times that fit the reference better, or worse; judgement"
+    roughness: float = threshold(
+        8.0, "1", "largest log likelihood of a change of roughness: that of air changes too; judgement"
     )
-    crossing: Crossing = field(default_factory=Crossing)
+    step: float = threshold(
+        20.0, "1", "log Bayes factor of steps of the values that are exchanged, or that stay; judgement"
+    )
+    range: float = threshold(
+        8.0, "1", "log Bayes factor of temperatures that no air has, one way but not the other; judgement"
+    )
 
 
 FACTS = CauseFacts(
@@ -62,170 +66,122 @@ FACTS = CauseFacts(
 )
 
 
-def detect(view: View, settings: FaultSettings) -> Finding | None:
+def detect(view: View, own: Thresholds, _: FaultSettings) -> Found | None:
     """Look for a row from which on the two columns go on as each other."""
-    own = settings.of(FACTS, Thresholds)
-    warm, humid = view.temperature, view.observations.conditions.get("relative_humidity")
-    if warm is None or humid is None:
+    warm, humid = (view.observations.conditions[name] for name in FACTS.needs)
+    known = np.flatnonzero(np.isfinite(warm) & np.isfinite(humid))
+    if len(known) < 2 * _WINDOWS[0]:
         return None
-    percent = 100.0 * humid
-    known = np.flatnonzero(np.isfinite(warm) & np.isfinite(percent))
-    if len(known) < own.fewest:
-        return None
-    seam, evidence = _seam((some(warm, known), some(percent, known)), own)
+    columns = np.stack([some(warm, known), 100.0 * some(humid, known)])
+    evidence, seam = max(
+        ((_evidence(columns, row, own), row) for row in _seams(columns)), default=(-np.inf, 0)
+    )
     if not np.isfinite(evidence):
         return None
     edge = int(known[seam])
     swapped = np.arange(len(warm)) >= edge
-    after, before = (_by_echoes(view, part, own) for part in (swapped, ~swapped))
-    if before > after or (before == after and _drier(warm, percent, ~swapped)):
+    after, before = (by_echoes(view, _exchanged(view, part), part) for part in (swapped, ~swapped))
+    hotter = float(np.median(columns[0, :seam])) > float(np.median(columns[1, :seam]))
+    if before > after or (before == after and hotter):  # the air of this planet has more percent than degrees
         swapped = ~swapped
-    evidence = min(evidence, own.cap) + max(before, after)
-    if evidence <= 0.0:
-        return None
-    first = int(np.flatnonzero(swapped)[0])
+    evidence += max(before, after) - float(np.log(len(known)))
+    at, percent = [edge - 1, edge], 100.0 * humid
     because = (
-        f"from row {edge} to {edge + 1} the temperature goes from {warm[edge - 1]:.1f} to {warm[edge]:.1f}, "
-        f"the humidity from {percent[edge - 1]:.1f} to {percent[edge]:.1f}; each goes on as the other did; "
+        f"from row {edge} to {edge + 1} the temperature goes from {warm[at[0]]:.1f} to {warm[at[1]]:.1f}, "
+        f"the humidity from {percent[at[0]]:.1f} to {percent[at[1]]:.1f}; each goes on as the other did; "
         f"exchanged back in {listed(swapped)}"
     )
-    return Finding(
-        FACTS,
-        min(evidence, own.cap, settings.cap),
-        because,
-        (Parameter("first_row", first + 1.0, 0.0, "1"),),
-        swapped,
-        _exchanged(view, swapped),
-    )
+    first = int(np.flatnonzero(swapped)[0])
+    return Found(swapped, evidence, because, (first + 1,), _exchanged(view, swapped))
 
 
-def _seam(columns: tuple[Column, Column], settings: Thresholds) -> tuple[int, float]:
-    """Row from which on the columns go on as each other, and the evidence for that."""
-    rows = len(columns[0])
-    steps = np.empty((2, rows - 1))
-    for column, own in zip(columns, steps, strict=True):
-        np.abs(np.subtract(column[1:], column[:-1], out=own), out=own)
-    sample = steps[:, :: max(1, rows // _ENOUGH)]
-    floor = 0.02 + 0.02 * np.median(sample, axis=1, keepdims=True)
-    rough = steps[0] + floor[0]
-    rough /= steps[1] + floor[1]
-    np.log(rough, out=rough)
-    rough -= rough.mean()
-    change = np.abs(np.cumsum(rough, out=rough), out=rough)
+def _seams(columns: Column) -> list[int]:
+    """Rows at which the columns may change places: jumps, crossings, and a change of roughness."""
+    steps = np.abs(np.diff(columns))
     jump = steps.sum(axis=0)
-    changed = int(np.argmax(change)) + 1
-    rows_of_crossings = crossings(columns, _CANDIDATES)
-    seams = {refined(columns, changed), *(1 + _largest(jump)).tolist(), *rows_of_crossings}
-    inside = sorted(row for row in seams if settings.before < row < rows - 2)
-    until = _until(steps, inside)
-    scored = [(*_evidence(columns, steps, until[row], row, settings), row) for row in inside]
-    _, evidence, row = max(scored, default=(-np.inf, -np.inf, 0))
-    return row, evidence - float(np.log(rows))
+    rows = set((1 + np.argpartition(-jump, min(_CANDIDATES, len(jump) - 1))[:_CANDIDATES]).tolist())
+    crossed = np.flatnonzero(np.diff(columns[0] > columns[1])) + 1
+    apart = crossed[np.append(True, np.diff(crossed) > _WINDOWS[0])[: len(crossed)]]
+    rows |= set(apart[:: -(-len(apart) // _CANDIDATES) or 1].tolist())
+    steps += 0.02 + 0.02 * np.median(steps[:, :: max(1, len(jump) // _ENOUGH)], axis=1, keepdims=True)
+    rough = np.log(steps[0] / steps[1])
+    rows.add(_refined(columns, 1 + int(np.abs(np.cumsum(rough - rough.mean())).argmax())))
+    return sorted(row for row in rows if _WINDOWS[0] <= row <= columns.shape[1] - _WINDOWS[0])
 
 
-def _until(steps: Column, rows: list[int]) -> dict[int, Column]:
-    """Steps of each column summed up to the one before the one that leads to each of some rows."""
-    found, total, first = {}, np.zeros(2), 0
-    for row in rows:
-        total = total + steps[:, first : row - 1].sum(axis=1)
-        found[row], first = total, row - 1
-    return found
+def _refined(columns: Column, row: int) -> int:
+    """The row near a change of roughness from which on each column's steps are best those of the other."""
+    first, last = max(row - _NEAR, 1), min(row + _NEAR, columns.shape[1] - 1)
+    before = np.abs(np.diff(columns[:, :row])).mean(axis=1, keepdims=True) + 1e-9
+    steps = np.abs(np.diff(columns[:, first - 1 : last]))
+    own, other = (steps / before).sum(axis=0), (steps / before[::-1]).sum(axis=0)
+    across = (np.abs(columns[::-1, first:last] - columns[:, first - 1 : last - 1]) / before).sum(axis=0)
+    return first + int(np.argmin(np.cumsum(own) - own + across + other.sum() - np.cumsum(other)))
 
 
-def _largest(jump: Column) -> NDArray[np.int64]:
-    """Positions of the largest jumps."""
-    count = min(_CANDIDATES, len(jump))
-    parts = len(jump) // _PART
-    least = -np.inf
-    if parts > count:  # at least so many jumps are as large as the largest ones of some parts
-        largest = jump[: parts * _PART].reshape(parts, _PART).max(axis=1)
-        least = np.partition(largest, -count)[-count]
-    among = np.flatnonzero(jump >= least)
-    return np.asarray(among[np.argpartition(-jump[among], count - 1)[:count]])
+def _evidence(columns: Column, row: int, own: Thresholds) -> float:
+    """Log Bayes factor of an exchange from a row on.
 
-
-def _evidence(
-    columns: tuple[Column, Column], steps: Column, until: Column, row: int, settings: Thresholds
-) -> tuple[float, float]:
-    """Log likelihood ratio of the rows from `row` on: exchanged against as they stand; and what of it counts.
-
-    Steps from row to row are Laplace distributed, with the scales of the rows before; the levels
-    across the seam must fit too. `steps` are those of both columns, and `until` their sums before.
+    The level and the slope go on in one way only, unless the columns cross in parallel. The roughness, the
+    steps of the values, and the temperatures that air has may decide too.
     """
-    sides = (slice(row - _AROUND, row), slice(row, row + _AROUND))
-    ends = np.array([[median(column[side]) for side in sides] for column in columns])
-    straight, crossed = np.abs(ends[:, 1] - ends[:, 0]), np.abs(ends[::-1, 1] - ends[:, 0])
-    most = 2 * until / (row - 1)  # no median is larger than twice the mean
-    if (crossed / _wide(most)).max() > settings.fits:
-        return -np.inf, -np.inf
-    first, last = max(0, row - _ENOUGH), row + _ENOUGH  # rows around that tell enough
-    usual = np.array([median(own[first : row - 1]) for own in steps])
-    straight, crossed = straight / _wide(usual), crossed / _wide(usual)
-    if crossed.max() > settings.fits:
-        return -np.inf, -np.inf
-    scale = _scale(usual)
-    after = steps[:, row:last]
-    stays, changes = (
-        float(np.minimum(after / s[:, None], settings.outlier).sum()) for s in (scale, scale[::-1])
-    )
-    part = min(1.0, settings.witnesses / max(after.shape[1], 1))  # neighbors are no independent witnesses
-    roughness = float(part * (stays - changes))
-    if straight.max() <= settings.fits:  # where the columns cross, their levels go on either way
-        around = (columns[0][first:last], columns[1][first:last])
-        evidence = at_crossing(around, row - first, roughness, settings.crossing)
-        return max(roughness, evidence), evidence
-    levels = float(np.minimum(straight, settings.level).sum() - np.minimum(crossed, settings.level).sum())
-    return roughness + levels, roughness + levels
+    columns = columns[:, max(0, row - _ENOUGH) : row + _ENOUGH]
+    row = min(row, _ENOUGH)
+    sides = [[_line(column[:row][::-1], -1.0), _line(column[row:], 1.0)] for column in columns]
+    misfit = [
+        sum(
+            float((((a - b) ** 2) / (u + v)).sum())
+            for (a, u), (b, v) in ((sides[which][0], sides[(which + other) % 2][1]) for which in (0, 1))
+        )
+        for other in (0, 1)
+    ]
+    straight, exchanged = np.minimum(misfit, 2 * own.line)
+    if exchanged == 2 * own.line:
+        return -np.inf
+    before, after = np.abs(np.diff(columns[:, :row])), np.abs(np.diff(columns[:, row:]))
+    scale = np.median(before, axis=1, keepdims=True) / np.log(2) + 0.05  # of a Laplace distribution
+    rough = float((np.minimum(after / scale, 8.0) - np.minimum(after / scale[::-1], 8.0)).sum())
+    steps = own.step * _steps(columns, row)
+    rough = 0.0 if steps else float(np.clip(rough, -own.roughness, own.roughness))
+    return 0.5 * float(straight - exchanged) + rough + steps + own.range * _ranges(columns, row)
 
 
-def _by_echoes(view: View, swapped: Mask, settings: Thresholds) -> float:
-    """Log Bayes factor of the exchange from recorded echo times: they know the air, readings do not."""
-    reference, rows = view.reference, view.good & swapped
-    if reference is None or view.observations.reading is not None or not rows.any():
-        return 0.0
-    others = view.good & ~swapped
-    center = median((view.indication - reference)[others]) if others.any() else 0.0
-    looks = (view, view.after(_exchanged(view, swapped)))
-    misfits = [np.abs(look.indication - reference - center)[rows] for look in looks]
-    as_it_is, exchanged = (median(misfit[np.isfinite(misfit)]) + view.scatter for misfit in misfits)
-    independent = min(settings.witnesses, float(rows.sum()))
-    evidence = 0.5 * independent * float(np.log(as_it_is / exchanged))
-    return float(np.clip(evidence, -settings.echoes, settings.echoes))
+def _line(values: Column, direction: float) -> tuple[Column, Column]:
+    """Level and slope at a seam of the rows from it on, and their variances: of the noise, and of a bend."""
+    fits = np.array([fit @ values[: fit.shape[1]] for fit in _FITS])
+    left = values[: _WINDOWS[0]] - fits[0, 0] - fits[0, 1] * np.arange(_WINDOWS[0])
+    alike = float(left[1:] @ left[:-1]) / max(float(left @ left), 1e-12) + 0.1
+    alike = min(max(alike, 0.0), _ALIKE)
+    noise = float(left.var()) * (1 + alike) / (1 - alike)
+    each = np.array([[4 * noise / n, 12 * noise / n**3] for n in _WINDOWS])
+    bends = [np.maximum((fits[1] - fits[k]) ** 2 - each[1] - each[k], 0.0) for k in (0, 2)]
+    return fits[1] * [1.0, direction], each[1] + bends[0] + bends[1] + _FLOOR**2
 
 
-def _scale(median: Column) -> Column:
-    """Scale of a Laplace distribution of steps."""
-    return np.asarray(median / np.log(2) + 0.05)
+def _steps(columns: Column, row: int) -> int:
+    """Whether the numbers of one column have the step of the other from the row on: 1, or -1 if not."""
+    parts = [
+        column[side] for column in columns for side in (slice(row - _MARGIN), slice(row + _MARGIN, None))
+    ]
+    grids = [find_grid(part) if len(part) else None for part in parts]
+    warm, warm_after, humid, humid_after = (0.0 if grid is None else grid.step for grid in grids)
+    if np.isclose(warm, humid, rtol=0.1):
+        return 0
+    same = np.allclose((warm, humid), (warm_after, humid_after), rtol=0.1)
+    return -int(same) or int(np.allclose((warm, humid), (humid_after, warm_after), rtol=0.1))
 
 
-def _wide(median: Column) -> Column:
-    """How far levels may differ across a seam, for its evidence to be one."""
-    return 3 * _scale(median) + 2.0
-
-
-def _drier(warm: Column, percent: Column, rows: Mask) -> bool:
-    """Whether it is the other part that has the colder, more humid air of this planet."""
-    return float(np.nanmedian(warm[rows])) > float(np.nanmedian(percent[rows]))
+def _ranges(columns: Column, row: int) -> int:
+    """Whether only an exchange, or only none, has temperatures that air has: 1, or -1."""
+    odd = (columns > _HOTTEST) | (columns < _COLDEST)
+    (warm, humid), (warm_after, humid_after) = odd[:, :row].sum(axis=1), odd[:, row:].sum(axis=1)
+    stays, exchanged = warm + warm_after, min(warm + humid_after, humid + warm_after)
+    return int(exchanged == 0 < stays) - int(stays == 0 < exchanged)
 
 
 def _exchanged(view: View, rows: Mask) -> Observations:
-    observations = view.observations
-    warm, humid = observations.conditions["temperature"], observations.conditions["relative_humidity"]
-    temperature = np.where(rows, 100.0 * humid, warm)
-    fraction = np.where(rows, warm / 100.0, humid)
-    unusable = observations.unusable.astype(object)
-    possible = (fraction >= 0) & (fraction <= 1) & (temperature < 100.0)
-    for name in ("temperature", "relative_humidity"):
-        source = observations.source_names.get(name, name)
-        unusable[rows & possible & (unusable == f"{source} out of range")] = ""
-    unusable[rows & ~possible & (unusable == "")] = FACTS.id
-    conditions = {**observations.conditions, "temperature": temperature, "relative_humidity": fraction}
-    echo_time = observations.echo_time
-    if observations.reading is not None:  # the device knew its air; its reading stands
-        two = np.full(len(view), 2.0)
-        wrong, right = (view.base.indication(two, c) for c in (observations.conditions, conditions))
-        echo_time = np.where(rows, echo_time * wrong / right, echo_time)
-    return replace(observations, echo_time=echo_time, conditions=conditions, unusable=unusable.astype(str))
+    warm, humid = (view.observations.conditions[name] for name in FACTS.needs)
+    return with_values(view, rows, FACTS.id, temperature=100.0 * humid, relative_humidity=warm / 100.0)
 
 
 def spoil(table: Columns, random: np.random.Generator) -> None:

@@ -1,18 +1,16 @@
 """Echo time and reference distance exchanged."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.diagnose.faults.common.fault import Fault
+from echocal.diagnose.faults.common.fault import Fault, Found
+from echocal.diagnose.faults.common.repair import with_values
 from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
-from echocal.diagnose.findings.finding import Finding
-from echocal.diagnose.findings.parts import Parameter
 from echocal.diagnose.preprocess.view import View
 from echocal.diagnose.settings.faults import FaultSettings
 from echocal.diagnose.settings.threshold import threshold
-from echocal.observations import Observations
 
 __all__ = ["FAULT"]
 
@@ -53,9 +51,8 @@ FACTS = CauseFacts(
 )
 
 
-def detect(view: View, settings: FaultSettings) -> Finding | None:
+def detect(view: View, own: Thresholds, _: FaultSettings) -> Found | None:
     """Read each column as the other and ask whether they then agree."""
-    own = settings.of(FACTS, Thresholds)
     observations = view.observations
     reference = view.reference
     if reference is None or observations.reading is not None or view.given is not None:
@@ -75,30 +72,20 @@ def detect(view: View, settings: FaultSettings) -> Finding | None:
         agree = (off < own.near) & (distance >= _REACH[0]) & (distance <= _REACH[1])
         known = np.isfinite(off)
         if known.sum() >= own.fewest and agree.sum() > own.most * known.sum():
-            evidence = min(own.each * float(agree.sum()), settings.cap)
-            return _finding(view, agree, distance, time, evidence)
+            return _found(view, agree, distance, time, own.each * float(agree.sum()))
     return None
 
 
-def _finding(
-    view: View, agree: NDArray[np.bool_], distance: Column, time: Column, evidence: float
-) -> Finding:
+def _found(view: View, agree: NDArray[np.bool_], distance: Column, time: Column, evidence: float) -> Found:
     low, high = float(np.min(distance[agree])), float(np.max(distance[agree]))
     because = (
         f"read as each other, the columns of echo time and distance agree in {int(agree.sum())} rows: "
         f"{low:.3g} .. {high:.3g} m are {1e3 * time[agree].min():.3g} .. {1e3 * time[agree].max():.3g} ms; "
         "exchanged back"
     )
-    parameters = (Parameter("rows", float(agree.sum()), 0.0, "1"),)
-    repaired = _exchanged(view.observations, distance, time)
-    return Finding(FACTS, evidence, because, parameters, agree, repaired)
-
-
-def _exchanged(observations: Observations, distance: Column, time: Column) -> Observations:
-    unusable = observations.unusable.astype(object)
-    for name in ("echo_time", "reference_distance"):
-        unusable[unusable == f"{observations.source_names.get(name, name)} out of range"] = ""
-    return replace(observations, echo_time=time, reference_distance=distance, unusable=unusable.astype(str))
+    every = np.ones(len(view), dtype=bool)
+    repaired = with_values(view, every, FACTS.id, echo_time=time, reference_distance=distance)
+    return Found(agree, evidence, because, (agree.sum(),), repaired)
 
 
 def spoil(table: Columns, random: np.random.Generator) -> None:

@@ -4,14 +4,12 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import gammaln
 
-from echocal.diagnose.faults.common.constant import finest, log_constant
-from echocal.diagnose.faults.common.fault import Fault
-from echocal.diagnose.faults.common.values import expected_everywhere, far, recorded
+from echocal.diagnose.faults.common.constant import finest, log_choices, log_constant
+from echocal.diagnose.faults.common.fault import Fault, Found
+from echocal.diagnose.faults.common.values import expected_everywhere, far, limit_of, recorded
 from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
-from echocal.diagnose.findings.finding import Finding, listed
-from echocal.diagnose.findings.parts import Parameter
+from echocal.diagnose.findings.finding import listed
 from echocal.diagnose.preprocess.view import View
 from echocal.diagnose.settings.faults import FaultSettings
 from echocal.diagnose.settings.threshold import threshold
@@ -73,9 +71,8 @@ FACTS = CauseFacts(
 )
 
 
-def detect(view: View, settings: FaultSettings) -> Finding | None:
+def detect(view: View, own: Thresholds, settings: FaultSettings) -> Found | None:
     """Compare one constant with rows that lie anywhere, and with another thing's echoes."""
-    own = settings.of(FACTS, Thresholds)
     times, readings = view.observations.echo_time, recorded(view)
     found = [_constant(view, values, settings, own) for values in (times, readings)]
     found.append(_impossible(view, own))
@@ -89,9 +86,8 @@ def detect(view: View, settings: FaultSettings) -> Finding | None:
         f"{listed(mask)}: an echo time of {1e3 * time:.3f} ms ({view.indication[rows[0]]:.2f} m) again and "
         f"again, where {expected:.2f} m is expected; left out"
     )
-    parameters = (Parameter("echo_time", time, 0.0, "s"), Parameter("rows", float(len(rows)), 0.0, "1"))
-    repaired, rules = view.without(mask, FACTS.id, anyhow=True), _rules(view, rows, own)
-    return Finding(FACTS, min(evidence, settings.cap), because, parameters, mask, repaired, rules=rules)
+    repaired = view.without(mask, FACTS.id, anyhow=True)
+    return Found(mask, evidence, because, (time, len(rows)), repaired, _rules(view, rows, own))
 
 
 def _constant(
@@ -110,14 +106,13 @@ def _constant(
     if not rest.good.any():
         return -np.inf, outliers[:0]
     expected = view.expected if view.known else expected_everywhere(rest)
-    limit = np.maximum(settings.far.deviations * rest.scatter, settings.far.part * np.abs(expected))
+    limit = limit_of(rest.scatter, expected, settings.far)
     rows = np.flatnonzero(inside & (np.abs(view.indication - expected) > limit))
     if not len(rows):
         return -np.inf, rows
     place, least = view.indication[rows], finest(view.indication[rows], view.resolution)
     off = np.abs(place - expected[rows])
-    count, among = len(rows), len(rows) + int(far(rest, settings.far).sum())
-    chosen = float(np.log(among + 1) + gammaln(among + 1) - gammaln(count + 1) - gammaln(among - count + 1))
+    chosen = log_choices(len(rows), len(rows) + int(far(rest, settings.far).sum()))
     echo = float(np.median(view.observations.echo_time[rows]))
     known = _normal(echo / _KNOWN, own.tolerance / _KNOWN)
     good = rest.indication[rest.good]

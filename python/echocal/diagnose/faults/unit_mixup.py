@@ -6,13 +6,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.diagnose.faults.common.constant import finest, log_constant
-from echocal.diagnose.faults.common.fault import Fault
-from echocal.diagnose.faults.common.ratio import divided, factor_of, multiplied_reference
+from echocal.diagnose.faults.common.constant import finest, log_choices, log_constant
+from echocal.diagnose.faults.common.fault import Fault, Found
+from echocal.diagnose.faults.common.ratio import factor_of
+from echocal.diagnose.faults.common.repair import divided, with_values
 from echocal.diagnose.faults.common.values import expected_everywhere
 from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
-from echocal.diagnose.findings.finding import Finding, listed
-from echocal.diagnose.findings.parts import Parameter
+from echocal.diagnose.findings.finding import listed
 from echocal.diagnose.preprocess.view import View
 from echocal.diagnose.settings.faults import Constant, FaultSettings
 from echocal.diagnose.settings.threshold import threshold
@@ -40,8 +40,6 @@ _UNITS = {
 _USUAL = 20.0
 """Farthest target of a sensor in air [m]; catalogues end at 15 m."""
 
-_LEAST = min(abs(float(np.log(factor))) for factor in _UNITS)
-
 
 @dataclass(frozen=True)
 class Thresholds:
@@ -50,7 +48,6 @@ class Thresholds:
     fewest: float = threshold(3, "1", "rows of one factor: one or two are typing errors")
     most: float = threshold(0.45, "1", "part of the rows: of more, nobody knows which unit is the right one")
     outlier: float = threshold(0.15, "1", "of the log ratio, beyond which a row is an outlier; judgement")
-    shared: float = threshold(0.8, "1", "part of the outliers that must share the factor; judgement")
     close: float = threshold(
         0.02, "1", "of the log ratio, beside the noise: what laws and thermometers do to it"
     )
@@ -76,32 +73,27 @@ FACTS = CauseFacts(
 )
 
 
-def detect(view: View, settings: FaultSettings) -> Finding | None:
+def detect(view: View, own: Thresholds, settings: FaultSettings) -> Found | None:
     """Compare the median ratio of reading and reference with the ratios of units, then row by row."""
-    found = factor_of(view, (2.0, 0.5, *_UNITS), settings)
+    found = factor_of(view, (2.0, 0.5, *_UNITS), settings.factor)
     if found is None or found.value not in _UNITS:
-        return max(_some(view, settings), key=lambda finding: finding.log_bayes, default=None)
+        return max(_some(view, own, settings), key=lambda one: one.log_bayes, default=None)
     because = (
         f"readings are {found.ratio:.4g} times the reference distance (median of all rows), as if one of the "
         f"columns were in another unit: {_UNITS[found.value]}"
     )
-    of_reference = _reference_is_wrong(view)
-    return Finding(
-        FACTS,
-        found.log_bayes,
-        f"{because}; the rest of the diagnosis "
-        + (
+    every, sizes = np.ones(len(view), dtype=bool), (found.value, view.observations.usable.sum())
+    if _reference_is_wrong(view):
+        assert view.observations.reference_distance is not None  # there is a ratio to it
+        longer = found.value * view.observations.reference_distance
+        repaired = with_values(view, every, FACTS.id, reference_distance=longer)
+        how = (
             f"multiplies the reference distances by {found.value:.4g}, because no echo comes back from there"
-            if of_reference
-            else f"divides them by {found.value:.4g}"
-        ),
-        (
-            Parameter("factor", found.value, 0.0, "1"),
-            Parameter("rows", float(view.observations.usable.sum()), 0.0, "1"),
-        ),
-        np.ones(len(view), dtype=bool),
-        multiplied_reference(view, found.value) if of_reference else divided(view, found.value, "reading_m"),
-    )
+        )
+    else:
+        repaired, how = divided(view, every, FACTS.id, found.value), f"divides them by {found.value:.4g}"
+    because = f"{because}; the rest of the diagnosis {how}"
+    return Found(every, found.log_bayes, because, sizes, repaired)
 
 
 def _reference_is_wrong(view: View) -> bool:
@@ -112,11 +104,10 @@ def _reference_is_wrong(view: View) -> bool:
     )
 
 
-def _some(view: View, settings: FaultSettings) -> Iterator[Finding]:
+def _some(view: View, own: Thresholds, settings: FaultSettings) -> Iterator[Found]:
     """Rows that agree with the others once divided by a unit's factor: cm among m, ms among us."""
-    own = settings.of(FACTS, Thresholds)
-    if _near(view, own):
-        return
+    if view.reference is not None and view.farthest < 0.8 * own.outlier * np.fmin.reduce(view.expected):
+        return  # no row is an outlier
     expected = expected_everywhere(view)
     with np.errstate(all="ignore"):
         log_ratio = np.log(view.indication / expected)
@@ -125,35 +116,20 @@ def _some(view: View, settings: FaultSettings) -> Iterator[Finding]:
     outliers = judged & (np.abs(log_ratio) > own.outlier)
     if outliers.sum() > own.most * judged.sum():
         return
-    far = np.flatnonzero(judged & (np.abs(log_ratio) > _LEAST - width))
     for factor, story in _UNITS.items():
-        rows = far[np.abs(log_ratio[far] - np.log(factor)) < width[far]]
-        count = len(rows)
-        if count < max(own.fewest, own.shared * outliers.sum()):
+        near = outliers & (np.abs(log_ratio - np.log(factor)) < width)
+        if near.sum() < own.fewest:
             continue
-        near = np.zeros(len(judged), dtype=bool)
-        near[rows] = True
         noise = np.hypot(view.scatter, view.resolution / factor / 12**0.5) / expected[near]
         as_a_unit = _as_a_unit(log_ratio[near] - np.log(factor), noise, own, settings.constant)
         evidence = as_a_unit - float(np.log(len(_UNITS))) - _anyhow(view, near, settings)
+        count, among = int(near.sum()), int(outliers.sum())  # in half of such tables all of them
+        evidence -= float(np.log(2)) + (0.0 if count == among else log_choices(count, among))
         because = (
             f"{listed(near)} read {np.exp(np.median(log_ratio[near])):.4g} times what the other rows say, as "
             f"if written in another unit ({story}); divided by {factor:.4g} there"
         )
-        parameters = (Parameter("factor", factor, 0.0, "1"), Parameter("rows", float(count), 0.0, "1"))
-        repaired = divided(view, np.where(near, factor, 1.0), "reading_m")
-        yield Finding(FACTS, min(evidence, settings.cap), because, parameters, near, repaired)
-
-
-def _near(view: View, own: Thresholds) -> bool:
-    """Whether no row is an outlier, nor anything near another unit."""
-    least = float(np.fmin.reduce(view.expected))
-    return (
-        view.reference is not None
-        and least > 0
-        and 1.01 * view.farthest < -np.expm1(-own.outlier) * least
-        and own.close + own.deviations * view.scatter / least < 0.9 * (_LEAST - own.outlier)
-    )
+        yield Found(near, evidence, because, (factor, count), divided(view, near, FACTS.id, factor))
 
 
 def _anyhow(view: View, rows: NDArray[np.bool_], settings: FaultSettings) -> float:

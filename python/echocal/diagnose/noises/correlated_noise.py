@@ -5,7 +5,7 @@ import numpy as np
 from echocal.diagnose.candidates.variant import UNKNOWN
 from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
 from echocal.diagnose.inference.noise import Noise
-from echocal.diagnose.noises.common.kinds import NuisanceNoise, Values
+from echocal.diagnose.noises.common.kinds import NuisanceNoise, Values, mean_and_spread
 
 __all__ = ["NOISE"]
 
@@ -52,18 +52,12 @@ def concerns(noise: Noise) -> bool:
 
 def parameters(noises: tuple[Noise, ...], share: np.ndarray, variance: float) -> Values:
     """Mean and spread of the coefficient, and of the growth where there is one."""
-    weight = share * np.array([concerns(noise) for noise in noises])
-    weight = weight / max(weight.sum(), 1e-300)
-    found = {"autoregression": _mean(np.array([noise.rho for noise in noises]), weight)}
-    growth = np.array([noise.growth for noise in noises])
-    if weight[growth > 0.0].sum() > _LIKELY:
-        found["growth"] = _mean(growth, weight)
+    rho = np.array([noise.rho for noise in noises])
+    found = {"autoregression": mean_and_spread(rho, share)}
+    growth = np.array([noise.growth if noise.rho else 0.0 for noise in noises])
+    if share[growth > 0.0].sum() > _LIKELY * share[rho > 0.0].sum():
+        found["growth"] = mean_and_spread(growth, share)
     return found
-
-
-def _mean(values: np.ndarray, weight: np.ndarray) -> tuple[float, float]:
-    mean = float(weight @ values)
-    return mean, float(np.sqrt(weight @ (values - mean) ** 2))
 
 
 def because(values: Values) -> str:

@@ -24,6 +24,7 @@ from echocal.diagnose.noises.common.lattice import (
 )
 from echocal.diagnose.noises.common.placements import as_one_segment, labelings, some_of_each, whole_steps
 from echocal.diagnose.noises.common.trace import group_medians
+from echocal.diagnose.noises.common.without import log_evidence, without
 from echocal.diagnose.preprocess.row_mixture import PERIOD
 from echocal.diagnose.settings.threshold import threshold
 
@@ -61,12 +62,6 @@ class Thresholds:
     )
     alike: float = threshold(
         0.6, "1", "mean resultant length of their phases from which on they are tried as such; judgement"
-    )
-    rival: float = threshold(
-        1.0, "1", "prior odds of offsets of any size, and of slips of single rows, to this noise; judgement"
-    )
-    found: float = threshold(
-        0.5, "1", "probability from which on the offsets are subtracted: more likely than not"
     )
 
 
@@ -119,22 +114,22 @@ def find(case: Case, inference: Inference) -> Offsets | None:
     if case.sums.flat_level and whole_steps(case.table, step, own.whole_steps, own.alike):
         case = examine(as_one_segment(case.table), case.base, case.folds, case.seed, case.settings)
         inference = infer(case)
-    none = _log_evidence(inference)
+    none = log_evidence(inference)
     best: _Tried | None = None
     beside = case, inference
     for _ in range(2):  # once more beside the causes that are probable then
         for labels, orders, places in _proposals(case.residual, *beside, step, own):
             if best is not None and np.array_equal(orders[labels], best.orders[best.labels]):
                 continue
-            found = _try(case, labels, orders, step)
-            log = _log_evidence(found[1]) - none + places + _log_prior(case, labels, orders)
+            found = without(case, orders[labels] * step)
+            log = log_evidence(found[1]) - none + places + _log_prior(case, labels, orders)
             if best is None or log > best.log:
                 best = _Tried(labels, orders, log, *found)
         if best is None or best.log < -np.log(settings.prior(FACTS)):
             return None
         beside = best.case, best.inference
     assert best is not None
-    return _judged(best, step, own, settings.prior(FACTS))
+    return _judged(best, step, settings.prior(FACTS))
 
 
 def _step(case: Case) -> Column:
@@ -149,10 +144,6 @@ def _log_prior(case: Case, labels: Labels, orders: Labels) -> float:
     columns = [np.arange(len(labels), dtype=np.float64), *case.table.known.values()]
     steps = [log_prior_along(orders, np.bincount(labels, column) / count) for column in columns]
     return float(np.logaddexp(log_prior(orders), np.logaddexp.reduce(steps) - np.log(len(steps))) - np.log(2))
-
-
-def _log_evidence(inference: Inference) -> float:
-    return float(np.logaddexp.reduce([one.log_posterior for one in inference.fits]))
 
 
 def _proposals(
@@ -224,13 +215,7 @@ def _placements(
     return placements, np.asarray(fit.mean, dtype=np.float64)
 
 
-def _try(case: Case, labels: Labels, orders: Labels, step: Column) -> tuple[Case, Inference]:
-    """The hypotheses on what is left when the missed cycles are subtracted."""
-    other = examine(case.table, case.base, case.folds, case.seed, case.settings, orders[labels] * step)
-    return other, infer(other)
-
-
-def _judged(best: _Tried, step: Column, own: Thresholds, prior: float) -> Offsets | None:
+def _judged(best: _Tried, step: Column, prior: float) -> Offsets:
     """Weigh the lattice against normal errors, jumps of any size, and slips of single rows."""
     rows = np.arange(len(best.labels))
     left = best.case.left(best.inference.fits[0], rows)
@@ -241,12 +226,9 @@ def _judged(best: _Tried, step: Column, own: Thresholds, prior: float) -> Offset
     against = np.logaddexp.reduce(
         [
             np.log1p(-prior) - np.log(prior) - best.log,
-            *(np.log(own.rival) - log for log in (*any_size, single)),
+            *(-log for log in (*any_size, single)),  # rivals that are as probable before the data
         ]
     )
-    probability = 1.0 / (1.0 + np.exp(np.clip(against, -30.0, 30.0)))
-    if probability < own.found:
-        return None
     log_bayes = -float(against) - float(np.log(prior / (1 - prior)))
     scatter = float(np.std(off.error + best.orders * period)), float(np.std(off.error))
     finding = Finding(FACTS, log_bayes, _because(best, period, scatter), _parameters(best, off))

@@ -4,7 +4,7 @@ import numpy as np
 
 from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
 from echocal.diagnose.inference.noise import Noise
-from echocal.diagnose.noises.common.kinds import NuisanceNoise, Values
+from echocal.diagnose.noises.common.kinds import NuisanceNoise, Values, mean_and_spread
 
 __all__ = ["NOISE"]
 
@@ -38,10 +38,7 @@ def concerns(noise: Noise) -> bool:
 def parameters(noises: tuple[Noise, ...], share: np.ndarray, variance: float) -> Values:
     """Mean and spread of the standard deviation over the noises with an error per station."""
     deviation = np.sqrt(variance * np.array([noise.station_ratio for noise in noises]))
-    weight = share * np.array([concerns(noise) for noise in noises])
-    weight = weight / max(weight.sum(), 1e-300)
-    mean = float(weight @ deviation)
-    return {"standard_deviation": (mean, float(np.sqrt(weight @ (deviation - mean) ** 2)))}
+    return {"standard_deviation": mean_and_spread(deviation, share)}
 
 
 def because(values: Values) -> str:

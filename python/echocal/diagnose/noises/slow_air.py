@@ -6,7 +6,7 @@ from echocal._core import speed_of_sound
 from echocal.diagnose.candidates.variant import UNKNOWN
 from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
 from echocal.diagnose.inference.noise import Noise
-from echocal.diagnose.noises.common.kinds import NuisanceNoise, Values
+from echocal.diagnose.noises.common.kinds import NuisanceNoise, Values, mean_and_spread
 
 __all__ = ["NOISE"]
 
@@ -40,11 +40,7 @@ def concerns(noise: Noise) -> bool:
 
 def parameters(noises: tuple[Noise, ...], share: np.ndarray, variance: float) -> Values:
     """Mean and spread of the standard deviation of the difference."""
-    kelvin = np.array([noise.slow_air for noise in noises])
-    weight = share * (kelvin > 0.0)
-    weight = weight / max(weight.sum(), 1e-300)
-    mean = float(weight @ kelvin)
-    return {"difference": (mean, float(np.sqrt(weight @ (kelvin - mean) ** 2)))}
+    return {"difference": mean_and_spread(np.array([noise.slow_air for noise in noises]), share)}
 
 
 def because(values: Values) -> str:

@@ -1,7 +1,5 @@
 """A level that moves by itself while its distance is taken for constant."""
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
@@ -12,7 +10,6 @@ from echocal.diagnose.inference.examine import examine
 from echocal.diagnose.inference.hypothesis import HypothesisFit
 from echocal.diagnose.inference.posterior import Inference, infer
 from echocal.diagnose.noises.common.kinds import OffsetNoise, Offsets
-from echocal.diagnose.settings.threshold import threshold
 
 __all__ = ["NOISE"]
 
@@ -20,15 +17,6 @@ _DRIFT = "drift"
 """Id of the effect that moves every distance with time: where it is unknown, nothing tells them apart."""
 
 _HOUR = 3600.0  # s
-
-
-@dataclass(frozen=True)
-class Thresholds:
-    """Numbers that decide about this noise."""
-
-    found: float = threshold(
-        0.5, "1", "probability from which on the movement is subtracted: more likely than not"
-    )
 
 
 FACTS = CauseFacts(
@@ -57,7 +45,7 @@ def find(case: Case, inference: Inference) -> Offsets | None:
     share = np.exp(log - log.max()) / np.exp(log - log.max()).sum()
     moves = np.array([_DRIFT in one.hypothesis.causes for one in inference.fits])
     probability = float(share @ moves)
-    if probability < case.settings.noises.of(FACTS, Thresholds).found:
+    if probability < case.settings.noises.subtracted:
         return None
     best = inference.fits[int(np.where(moves, log, -np.inf).argmax())]
     level = _movement(case, best)
@@ -96,4 +84,4 @@ def draw(table: Columns, random: np.random.Generator) -> None:
     table["reading_m"] -= random.uniform(0.01, 0.03) * time / time[-1]
 
 
-NOISE = OffsetNoise(facts=FACTS, draw=draw, find=find, thresholds=Thresholds())
+NOISE = OffsetNoise(facts=FACTS, draw=draw, find=find)

@@ -30,6 +30,7 @@ from echocal.diagnose.inference.case import Case
 from echocal.diagnose.inference.examine import examine
 from echocal.diagnose.inference.posterior import Inference, infer
 from echocal.diagnose.noises.common.kinds import OffsetNoise, Offsets
+from echocal.diagnose.noises.common.without import log_evidence
 from echocal.diagnose.preprocess.folds import Folds
 from echocal.diagnose.preprocess.table import Table
 from echocal.diagnose.settings.threshold import threshold
@@ -52,9 +53,6 @@ class Thresholds:
         2.0, "1", "log likelihood ratio of white residuals from which on a column is tried; argument"
     )
     tried: int = threshold(2, "1", "columns whose evidence is computed, likeliest first; computing time")
-    found: float = threshold(
-        0.5, "1", "probability from which on the rows are grouped by target: more likely than not"
-    )
 
 
 FACTS = CauseFacts(
@@ -100,8 +98,7 @@ def find(case: Case, inference: Inference) -> Offsets | None:
     log, name, other, beside = best
     evidence = log - float(np.log(len(columns)))
     finding = _finding(evidence, name, columns[name], other, beside)
-    finding = replace(finding, facts=replace(FACTS, prior=prior))
-    return Offsets(finding, other, beside) if finding.probability >= own.found else None
+    return Offsets(replace(finding, facts=replace(FACTS, prior=prior)), other, beside)
 
 
 def _columns(case: Case, own: Thresholds) -> Iterator[tuple[str, Labels]]:
@@ -164,7 +161,7 @@ def _grouped(case: Case, name: str, levels: Labels) -> Case:
 def _log_with_errors(case: Case, inference: Inference) -> float:
     """Log evidence of all hypotheses under the noises with an error of each level."""
     some = np.array([noise.station_ratio > 0 for noise in inference.reduced.noises])
-    return _log_evidence(inference, some) - float(np.log1p(-case.settings.noise_models.no_station_error))
+    return log_evidence(inference, some) - float(np.log1p(-case.settings.noise_models.no_station_error))
 
 
 def _log_rival(case: Case, inference: Inference, levels: Labels) -> float:
@@ -172,15 +169,8 @@ def _log_rival(case: Case, inference: Inference, levels: Labels) -> float:
     noises, stations = inference.reduced.noises, case.table.groups
     if _pairs(levels, stations) == len(np.unique(stations)) == int(levels.max()) + 1:
         none = np.array([noise.station_ratio == 0 for noise in noises])
-        return _log_evidence(inference, none) - float(np.log(case.settings.noise_models.no_station_error))
-    return _log_evidence(inference, np.ones(len(noises), dtype=bool))
-
-
-def _log_evidence(inference: Inference, noises: NDArray[np.bool_]) -> float:
-    log = np.array([fit.log_posterior for fit in inference.fits])
-    share = np.array([fit.noise[noises].sum() for fit in inference.fits])
-    with np.errstate(divide="ignore"):
-        return float(np.logaddexp.reduce(log + np.log(share)))
+        return log_evidence(inference, none) - float(np.log(case.settings.noise_models.no_station_error))
+    return log_evidence(inference, np.ones(len(noises), dtype=bool))
 
 
 def _finding(evidence: float, name: str, levels: Labels, case: Case, inference: Inference) -> Finding:

@@ -2,10 +2,11 @@
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import gammaln
 
 from echocal.diagnose.settings.faults import Constant
 
-__all__ = ["finest", "log_constant"]
+__all__ = ["finest", "log_choices", "log_constant"]
 
 Column = NDArray[np.float64]
 
@@ -15,6 +16,11 @@ _JITTERS = 24  # standard deviations tried: neighbors differ by a third
 def finest(values: Column, step: float) -> float:
     """Least relative standard deviation of values that are written in steps."""
     return max(step / 12**0.5 / float(np.median(np.abs(values))), 1e-6)
+
+
+def log_choices(count: int, among: int) -> float:
+    """Log of how many rows it may have been, among some, and of which ones: docs/method.md, Eq. 31b."""
+    return float(np.log(among + 1) + gammaln(among + 1) - gammaln(count + 1) - gammaln(among - count + 1))
 
 
 def log_constant(

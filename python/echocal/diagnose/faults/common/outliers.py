@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.diagnose.faults.common.values import chance_far, far
+from echocal.diagnose.faults.common.values import chance_far, far, limit_of
 from echocal.diagnose.preprocess.view import View
 from echocal.diagnose.settings.faults import FaultSettings, Outliers
 from echocal.observations.marks import RowRule
@@ -76,7 +76,7 @@ def count_evidence(view: View, rows: NDArray[np.bool_], settings: FaultSettings)
     outside the catalogue are on either side, and off by any order of magnitude.
     """
     own, count, total = settings.outliers, int(rows.sum()), int(view.good.sum())
-    off = _over_the_limit(view, settings)
+    off = view.deviation / limit_of(view.scatter, view.expected, settings.far)
     tail = min(int((view.good & (side * off > own.tail) & (side * off <= 1.0)).sum()) for side in (-1, 1))
     chance = max(0.5 * chance_far(view, settings.far), tail)
     usual = max(own.usual * total + 0.5, chance)
@@ -96,10 +96,3 @@ def _against_odd(view: View, rows: NDArray[np.bool_], off: NDArray[np.float64], 
     over = own.anywhere * orders / np.maximum(way, 1.0) + 1.0 - own.anywhere  # density over that of odd rows
     logs = np.log(_PARTS * np.where(rows[beyond], 2.0 * over, 0.0) + (1.0 - _PARTS) + 1e-300).sum(axis=1)
     return float(np.logaddexp(logs[-1], np.logaddexp.reduce(logs) - np.log(len(logs))) - np.log(2))
-
-
-def _over_the_limit(view: View, settings: FaultSettings) -> NDArray[np.float64]:
-    """Deviation of each row, in units of that of a far row."""
-    with np.errstate(invalid="ignore"):
-        limit = np.maximum(settings.far.deviations * view.scatter, settings.far.part * np.abs(view.expected))
-        return np.asarray(view.deviation / limit)

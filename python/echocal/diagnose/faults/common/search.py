@@ -139,11 +139,8 @@ def find_faults(
             continue
         if fault.facts.kind == "gross" and columns is not None and fault.facts.id not in columns:
             continue
-        finding = fault.detect(view, settings)
-        if finding is None:
-            continue
-        finding = replace(finding, facts=settings.facts(finding.facts))
-        if not finding.probability >= settings.listed:  # nor one that is not a number
+        finding = fault.search(view, settings)
+        if finding is None or not finding.probability >= settings.listed:  # nor one that is not a number
             continue
         if finding.probability >= settings.accepted and finding.repaired is not None:
             after = view.after(finding.repaired)

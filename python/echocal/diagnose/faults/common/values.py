@@ -6,7 +6,8 @@ from numpy.typing import NDArray
 from echocal.diagnose.preprocess.view import View
 from echocal.diagnose.settings.faults import FarRows
 
-__all__ = ["POWER_ON", "at_power_on", "chance_far", "expected_everywhere", "far", "millimeters", "recorded"]
+__all__ = ["POWER_ON", "at_power_on", "chance_far", "expected_everywhere", "far", "limit_of", "millimeters"]
+__all__ += ["recorded"]
 
 Column = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -37,22 +38,26 @@ def expected_everywhere(view: View) -> Column:
     return np.interp(rows, rows[known], view.expected[known]) if known.any() else view.expected
 
 
+def limit_of(scatter: float, expected: Column, settings: FarRows) -> Column:
+    """Deviation of a row from which on neither noise nor air explains it [m]."""
+    with np.errstate(invalid="ignore"):
+        return np.asarray(np.maximum(settings.deviations * scatter, settings.part * np.abs(expected)))
+
+
 def far(view: View, settings: FarRows) -> Mask:
     """Rows farther off than noise or air."""
     if view.farthest <= settings.deviations * view.scatter:
         return np.zeros(len(view), dtype=bool)
     with np.errstate(invalid="ignore"):
-        limit = np.maximum(settings.deviations * view.scatter, settings.part * np.abs(view.expected))
-        return np.asarray(view.good & (np.abs(view.deviation) > limit))
+        off = np.abs(view.deviation) > limit_of(view.scatter, view.expected, settings)
+        return np.asarray(view.good & off)
 
 
 def chance_far(view: View, settings: FarRows) -> float:
     """Rows that heavy-tailed noise alone would put that far: Student's t of 3 degrees, whole table."""
     from scipy.special import stdtr  # takes long to import
 
-    with np.errstate(invalid="ignore"):
-        whole = np.maximum(settings.deviations * view.scatter, settings.part * np.abs(view.expected))
-    limit = whole[view.good]
+    limit = limit_of(view.scatter, view.expected[view.good], settings)
     part = len(limit) / max(len(limit[::97]), 1)
     scale = view.scatter / (1.4826 * 0.7649)  # median of |t| with 3 degrees is 0.7649
     return float(2 * part * stdtr(3, -limit[::97] / scale).sum()) + 1e-3

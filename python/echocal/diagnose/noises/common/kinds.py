@@ -18,6 +18,7 @@ from echocal.diagnose.settings.causes import NoThresholds
 from echocal.diagnose.settings.noises import NoiseSettings
 
 __all__ = ["FittedNoise", "NoiseEntry", "NuisanceNoise", "OffsetNoise", "Offsets", "Quantization", "Values"]
+__all__ += ["mean_and_spread"]
 
 Column = NDArray[np.float64]
 Matrix = NDArray[np.floating[Any]]
@@ -78,6 +79,13 @@ class FittedNoise(NoiseEntry):
     fit: Callable[[Trace, NoiseSettings], Likelihood | None]
     removes_nuisance: bool = False
     offsets: Callable[[Trace, NoiseSettings], Column | None] | None = None
+
+
+def mean_and_spread(values: Matrix, weight: Matrix) -> tuple[float, float]:
+    """Mean of a parameter over the noises that have it, by their probabilities, and its spread."""
+    weight = np.where(values > 0.0, weight, 0.0) / max(float(weight[values > 0.0].sum()), 1e-300)
+    mean = float(weight @ values)
+    return mean, float(np.sqrt(weight @ (values - mean) ** 2))
 
 
 def _nothing(values: Values, degrees: float) -> tuple[tuple[str, ...], str]:

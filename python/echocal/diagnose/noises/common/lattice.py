@@ -106,9 +106,9 @@ def _log_normal(placements: Placements, chosen: NDArray[np.bool_]) -> float:
 def propose(placements: Placements, mean: Column, seed: int) -> list[tuple[float, Labels]]:
     """Integers that may be those of the placements, with their gain in log likelihood, best first.
 
-    A mixture of normal distributions one period apart, whose center is a linear function of the causes plus
-    an error of each station; fitted by expectation and maximization from several starts. The gain is counted
-    from the same fit without integers. It only sorts: the evidence is computed elsewhere.
+    The nearest integers to what causes and stations leave, and the causes and stations that fit what the
+    integers leave, in turn, from several starts. The gain is counted from the same fit without integers. It
+    only sorts: the evidence is computed elsewhere.
 
     Parameters
     ----------
@@ -117,86 +117,58 @@ def propose(placements: Placements, mean: Column, seed: int) -> list[tuple[float
         Sizes at which the search starts.
     seed : int
     """
-    spread = _continuous_spread(placements, mean)
-    starts = _starts(placements, mean, spread, seed)
-    plain = _maximize(placements, mean[None], np.zeros(1), spread, ORDERS[ORDERS == 0])[0][0]
-    logs, orders = _maximize(placements, starts, _shifts(len(starts)), spread, ORDERS)
+    usual, spread = float(np.median(placements.period)), placements.error - mean @ placements.columns
+    wide = float(np.sqrt(np.mean(spread**2))) + 1e-6
+    levels = [wide] if _own_levels(placements) is None else [wide, 0.05 * usual]
+    plain = max(_settled(placements, mean, 0.0, level, ORDERS[ORDERS == 0])[0] for level in levels)
     found: dict[bytes, tuple[float, Labels]] = {}
-    for log, integers in zip(logs - plain, orders, strict=True):
-        found.setdefault(integers.tobytes(), (float(log), integers))
+    for sizes, shift in _starts(placements, mean, wide, seed):
+        for level in levels:
+            log, orders = _settled(placements, sizes, shift * usual, level, ORDERS)
+            if log - plain > found.get(orders.tobytes(), (-np.inf, orders))[0]:
+                found[orders.tobytes()] = log - plain, orders
     return sorted(found.values(), key=lambda one: -one[0])
 
 
-def _continuous_spread(placements: Placements, mean: Column) -> float:
-    left = placements.error - mean @ placements.columns
-    return float(np.sqrt(np.mean(left**2))) + 1e-6
+def _own_levels(placements: Placements) -> Column | None:
+    """Which placements each station has, one per line; None where each has one."""
+    stations = int(placements.station.max()) + 1
+    return None if stations == len(placements) else np.eye(stations)[:, placements.station]
 
 
-def _shifts(count: int) -> Column:
-    shifts = np.zeros(count)
-    shifts[: len(_PHASES)] = _PHASES
-    return shifts
-
-
-def _starts(placements: Placements, mean: Column, spread: float, seed: int) -> Column:
-    """Sizes to start from: those given, and some that normal errors would allow."""
-    columns = placements.columns
-    starts = np.repeat(mean[None], len(_PHASES) + _DRAWN * bool(len(mean)), axis=0)
+def _starts(placements: Placements, mean: Column, spread: float, seed: int) -> list[tuple[Column, float]]:
+    """Sizes and phases to start from: those given, and some that normal errors would allow."""
+    starts = [(mean, phase) for phase in _PHASES]
     if len(mean):
+        columns = placements.columns
         inverse = columns @ columns.T / spread**2 + np.eye(len(mean)) / WIDEST**2
         drawn = np.random.default_rng(seed).normal(size=(_DRAWN, len(mean)))
         wide = np.sqrt(len(placements) / 4)  # the phase of a period is found from within a quarter of it
-        starts[len(_PHASES) :] += wide * np.linalg.solve(np.linalg.cholesky(inverse).T, drawn.T).T
+        starts += [
+            (mean + wide * each, 0.0) for each in np.linalg.solve(np.linalg.cholesky(inverse).T, drawn.T).T
+        ]
     return starts
 
 
-def _maximize(
-    placements: Placements, sizes: Column, shifts: Column, spread: float, orders: Labels
-) -> tuple[Column, Labels]:
-    """Log likelihood and integers from each start."""
-    error, columns, period = placements.error, placements.columns, placements.period
-    stations = int(placements.station.max()) + 1
-    shared = stations < len(error)
-    member = np.zeros((len(error), stations)) if shared else np.empty((0, 0))
-    if shared:
-        member[np.arange(len(error)), placements.station] = 1.0
+def _settled(
+    placements: Placements, sizes: Column, shift: float, among: float, allowed: Labels
+) -> tuple[float, Labels]:
+    """Log likelihood and integers once they settle; stations differ by `among` (standard deviation) [m]."""
+    error, period, member = placements.error, placements.period, _own_levels(placements)
     usual = float(np.median(period))
-    lattice = period[:, None] * orders
-    own = np.zeros((len(sizes), stations))
-    among = np.full(len(sizes), 0.05 * usual)
-    if shared:
-        among[1::2] = usual  # of the stations' errors
-    scale = np.full(len(sizes), min(usual / 6, spread) if len(orders) > 1 else spread)
-    prior = 0.5 ** np.abs(orders)
-    share = np.repeat(prior[None] / prior.sum(), len(sizes), axis=0)
-    gram, width = columns @ columns.T, np.eye(len(columns)) / WIDEST**2
-    center = sizes @ columns + (shifts[:, None] * usual)
-    log, weight = np.zeros(len(sizes)), np.empty(0)
+    columns, prior = placements.columns, np.full(len(placements.columns), 1 / WIDEST**2)
+    if member is not None:
+        columns, prior = np.vstack([columns, member]), np.append(prior, np.full(len(member), 1 / among**2))
+    center, scale, orders = sizes @ placements.columns + shift, usual / 6, np.zeros(len(error), np.int64)
     for _ in range(_ROUNDS):
-        left = (error - center)[:, :, None] - lattice
-        each = -0.5 * (left / scale[:, None, None]) ** 2 + np.log(share)[:, None, :]
-        top = each.max(axis=2)
-        weight = np.exp(each - top[:, :, None])
-        total = weight.sum(axis=2)
-        log = (top + np.log(total)).sum(axis=1) - len(error) * np.log(scale)
-        weight /= total[:, :, None]
-        target = error - (weight * lattice).sum(axis=2)
-        if len(columns):
-            right = (target - (own[:, placements.station] if shared else 0.0)) @ columns.T
-            inverse = gram / scale[:, None, None] ** 2 + width
-            sizes = np.linalg.solve(inverse, (right / scale[:, None] ** 2)[:, :, None])[:, :, 0]
-        center = sizes @ columns
-        if shared:
-            ratio = member.sum(axis=0) + (scale / among)[:, None] ** 2
-            own = ((target - center) @ member) / ratio
-            spare = scale[:, None] ** 2 / ratio
-            among = np.sqrt((own**2 + spare).mean(axis=1)) + 0.01 * usual
-            center = center + own[:, placements.station]
-        square = (weight * ((error - center)[:, :, None] - lattice) ** 2).sum(axis=(1, 2))
-        scale = np.sqrt(square / len(error)) + 0.01 * usual
-        share = (weight.sum(axis=1) + prior) / (len(error) + prior.sum())
-    if shared:
-        log = log - stations * np.log(among) - 0.5 * (own**2).sum(axis=1) / among**2
-        log += 0.5 * np.log(scale[:, None] ** 2 / (member.sum(axis=0) + (scale / among)[:, None] ** 2)).sum(1)
-    log = log - 0.5 * (sizes**2).sum(axis=1) / WIDEST**2
-    return log, np.asarray(orders[weight.argmax(axis=2)])
+        before, orders = orders, np.clip(np.round((error - center) / period), allowed[0], allowed[-1])
+        orders = orders.astype(np.int64)
+        target = error - orders * period
+        inverse = columns @ columns.T / scale**2 + np.diag(prior)
+        found = np.linalg.solve(inverse, columns @ target / scale**2)
+        center = found @ columns
+        scale = float(np.sqrt(np.mean((target - center) ** 2))) + 0.01 * usual
+        if np.array_equal(orders, before):
+            break
+    cost = 0.5 * float((prior * found**2).sum() - np.log(prior).sum() + np.linalg.slogdet(inverse)[1])
+    return log_prior(orders) - len(error) * float(np.log(scale)) - cost, orders

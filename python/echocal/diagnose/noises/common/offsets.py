@@ -26,7 +26,7 @@ def without_offsets(case: Case, inference: Inference) -> tuple[Case, Inference, 
     findings = []
     for noise in registry.offsets():
         found = noise.find(case, inference)
-        if found is not None:
+        if found is not None and found.finding.probability >= case.settings.noises.subtracted:
             case, inference = found.case, found.inference
             findings.append(found.finding)
     return case, inference, findings

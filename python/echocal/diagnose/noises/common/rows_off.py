@@ -7,11 +7,11 @@ import numpy as np
 
 from echocal.diagnose.findings.finding import Finding
 from echocal.diagnose.inference.case import Case
-from echocal.diagnose.inference.examine import examine
-from echocal.diagnose.inference.posterior import Inference, infer
+from echocal.diagnose.inference.posterior import Inference
 from echocal.diagnose.noises.common.findings import noise_findings
 from echocal.diagnose.noises.common.kinds import FittedNoise
 from echocal.diagnose.noises.common.posterior import NoisePosterior, Traced
+from echocal.diagnose.noises.common.without import without
 
 __all__ = ["RowsOff", "without_rows_off"]
 
@@ -72,9 +72,7 @@ def without_rows_off(
             if found is None:
                 return None
             off = found
-            offsets = off if case.offsets is None else off + case.offsets
-            other = examine(case.table, case.base, case.folds, case.seed, case.settings, offsets)
-            inference = infer(other)
+            other, inference = without(case, off)
             best = inference.fits[0]
         return RowsOff(finding, other, inference, noise)
     return None

@@ -7,11 +7,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from echocal.diagnose.inference.case import Case
-from echocal.diagnose.inference.examine import examine
 from echocal.diagnose.inference.hypothesis import HypothesisFit
 from echocal.diagnose.inference.noise import VARIANCE_FLOOR
-from echocal.diagnose.inference.posterior import Inference, infer
+from echocal.diagnose.inference.posterior import Inference
 from echocal.diagnose.noises.common.posterior import NoisePosterior, Traced, sampled
+from echocal.diagnose.noises.common.without import without
 from echocal.diagnose.settings.noises import NoiseSettings
 
 __all__ = ["Scattered", "without_scattered_rows"]
@@ -115,10 +115,8 @@ def without_scattered_rows(
         if found is None or np.abs(found[1] - off).max() < _SAME * found[0].usual:
             break
         scattered, off = found
-        offsets = off if case.offsets is None else off + case.offsets
-        other = examine(case.table, case.base, case.folds, case.seed, case.settings, offsets)
+        other, inference = without(case, off)
         other = replace(other, remarks=(_said(scattered, len(off)),))
-        inference = infer(other)
         fits = inference.fits
     return None if other is None else (other, inference)
 
