@@ -155,12 +155,6 @@ def whiten(noises: Any, used: Any) -> tuple[Any, ...]:
     return sums().whiten([_core.NoiseModel(*one) for one in noises], used)
 
 
-def fit(noise: Any, used: Any, degrees: Any, floor: Any, hypotheses: Any, one_width: Any) -> tuple[Any, ...]:
-    """Hypotheses fitted to some blocks of the sums."""
-    given = _core.NoiseModel(*noise), used, degrees, floor, [forms(one) for one in hypotheses]
-    return tuple(found.mean for found in sums().fit(*given, one_width))
-
-
 def firmware_request() -> dict[str, Any]:
     return {
         "target": "c99",
@@ -263,9 +257,6 @@ CALLS: dict[str, Callable[[], Call]] = {
     "Columns.gram": of_columns("gram"),
     "Columns.products": lambda: Call(columns().products, layout(), columns=(0, 1, 2, 3)),
     "Sums.whiten": lambda: Call(whiten, [[(1, 0.5, 0.1, 0.7, -1.0)], [True, True]]),
-    "Sums.fit": lambda: Call(
-        fit, [(1, 0.5, 0.1, 0.7, -1.0), [True, True], 40.0, 1e-12, [FORMS, FORMS[:1]], False]
-    ),
     "Sums.joined": of_sums("joined", sums),
     "Sums.without_infinite": of_sums("without_infinite"),
     "Firmware.files": lambda: Call(_FIRMWARE.files, [[MEASURED]]),

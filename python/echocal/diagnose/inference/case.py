@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from echocal import _core
 from echocal.diagnose.candidates.columns import Columns
 from echocal.diagnose.candidates.variant import Candidates, Variant
-from echocal.diagnose.inference.averaged_out import averaged_out, noise_variances
 from echocal.diagnose.inference.hypothesis import Hypothesis, HypothesisFit, Stack
-from echocal.diagnose.inference.noise import Convection, Noise, NoiseCorrelation, noises
+from echocal.diagnose.inference.noise import VARIANCE_FLOOR, Convection, Noise, NoiseCorrelation, noises
 from echocal.diagnose.inference.sums import Sums
 from echocal.diagnose.preprocess.base import Base
 from echocal.diagnose.preprocess.folds import Folds
@@ -164,15 +164,21 @@ class Case:
             return Stack(self.without_slow_air(products), log_weight, degrees, noises)
         still = [replace(noise, slow_air=0.0, prior=1.0) for noise in noises]
         each = list(dict.fromkeys(still))  # the same for each difference of the air
-        at = np.array([each.index(noise) for noise in still])
+        at = [each.index(noise) for noise in still]
         products, log_weight = self.sums.whiten_all(each, blocks)
-        variance = noise_variances(products, degrees, self.settings.noise_models.ridge_width)
-        products, log_weight = products[at], log_weight[at] + np.log([noise.prior for noise in noises])
-        slow = kelvin > 0.0
-        variance = variance[at][slow] / kelvin[slow] ** 2  # the columns are of one kelvin
-        own, columns = products[slow], self.found.slow_air
-        products[slow], log_weight[slow] = averaged_out(own, log_weight[slow], columns, variance)
-        return Stack(self.without_slow_air(products), log_weight, degrees, noises)
+        with np.errstate(
+            divide="ignore"
+        ):  # the columns are of one kelvin; without a difference, none is taken out
+            variance = self._mean_squares_left(products, degrees)[at] / kelvin**2
+        own, every = self.found.slow_air, range(products.shape[-1])
+        products, more = _core.averaged_out(products, own, every, at, variance)
+        priors = np.log([noise.prior for noise in noises])
+        return Stack(products, log_weight[at] + priors + more, degrees, noises)
+
+    def _mean_squares_left(self, products: NDArray[np.float64], degrees: int) -> NDArray[np.float64]:
+        """Mean square of what all columns together leave of the last one, under each noise [m^2]."""
+        width = self.settings.noise_models.ridge_width
+        return _core.mean_squares_left(products, degrees, VARIANCE_FLOOR**2, width)
 
     def without_slow_air(self, products: NDArray[np.float64]) -> NDArray[np.float64]:
         """Products in which air that differs from the thermometer explains nothing: the same, changed."""
@@ -195,7 +201,6 @@ class Case:
         order, last = self.sums.order, len(own) + 1
         sums = Sums.gather(columns, order, self.folds.blocks, [noise.correlation])
         products, degrees = sums.whiten(noise, blocks).products, sums.degrees(blocks)
-        width = self.settings.noise_models.ridge_width
-        (variance,) = noise_variances(products[None], degrees, width)
+        (variance,) = self._mean_squares_left(products[None], degrees)
         among = products[1:last, 1:last] + variance / noise.slow_air**2 * np.eye(len(own))
         return np.asarray(np.linalg.solve(among, products[1:last, last]) @ parts)

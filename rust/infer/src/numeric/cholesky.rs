@@ -1,21 +1,24 @@
 //! Small symmetric positive definite systems.
 #![allow(clippy::suboptimal_flops)] // without FMA every fused product is a call
 
-/// Lower triangle of a matrix of `order`, row by row, factored in place: `L` with `L L' = A`.
+/// Lower triangle of a matrix of `order`, row by row, factored in place, column by column: `L` with `L L' = A`.
 ///
 /// `added` was added to the diagonal of a matrix without negative eigenvalues, so no pivot squared
 /// can be smaller; rounding would make it so where columns are nearly the same.
 #[inline(always)]
 pub(crate) fn factor(matrix: &mut [f64], order: usize, added: &[f64]) {
-    for i in 0..order {
-        for j in 0..=i {
-            let sum =
-                matrix[i * order + j] - dot(&matrix[i * order..][..j], &matrix[j * order..][..j]);
-            matrix[i * order + j] = if i == j {
-                sum.max(added[i]).sqrt()
-            } else {
-                sum / matrix[j * order + j]
-            };
+    let mut column = vec![0.0; order];
+    for j in 0..order {
+        let pivot = matrix[j * order + j].max(added[j]).sqrt();
+        matrix[j * order + j] = pivot;
+        for i in j + 1..order {
+            column[i] = matrix[i * order + j] / pivot;
+            let line = &mut matrix[i * order + j..=i * order + i];
+            line[0] = column[i];
+            let factor = column[i];
+            for (number, other) in line[1..].iter_mut().zip(&column[j + 1..=i]) {
+                *number -= factor * other;
+            }
         }
     }
 }

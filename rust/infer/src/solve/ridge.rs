@@ -54,6 +54,28 @@ pub fn ridge_coefficients(
     ridge.solved
 }
 
+/// Mean square that the columns between the first and the last of some products leave of the last.
+///
+/// A ridge of some prior standard deviations, beside the mean square of the last column.
+///
+/// # Panics
+/// If the products are not a square of at least two columns.
+#[must_use]
+pub fn mean_square_left(
+    products: &[f64],
+    width: usize,
+    degrees: f64,
+    variance_floor: f64,
+    ridge_width: f64,
+) -> f64 {
+    let mut ridge = Ridge::of(products, width);
+    let order = ridge.along.len();
+    let size: f64 = (0..order).map(|i| ridge.among[i * order + i]).sum();
+    let variance = (ridge.square / degrees).max(variance_floor);
+    let left = ridge.leave((variance / (ridge_width * ridge_width)).max(ROUNDING * size));
+    (left / degrees).max(variance_floor)
+}
+
 /// Products of columns with each other and with what they explain, and memory.
 #[derive(Default)]
 struct Ridge {
@@ -85,8 +107,20 @@ impl Ridge {
         round round_avx2 round_avx512 rounded (degrees: f64, ridge: f64) -> f64
     }
 
+    on_widest! {
+        /// Sum of squares that a ridge leaves; finds the coefficients.
+        leave leave_avx2 leave_avx512 left (ridge: f64) -> f64
+    }
+
     #[inline(always)]
     fn rounded(&mut self, degrees: f64, ridge: f64) -> f64 {
+        let (left, order) = (self.left(ridge), self.along.len());
+        let used = order as f64 - ridge * inverse_trace(&self.lower, order);
+        left.max(ROUNDING * self.square) / (degrees - used).max(1.0)
+    }
+
+    #[inline(always)]
+    fn left(&mut self, ridge: f64) -> f64 {
         let (order, lower, solved) = (self.along.len(), &mut self.lower, &mut self.solved);
         lower.clone_from(&self.among);
         for i in 0..order {
@@ -97,9 +131,7 @@ impl Ridge {
         forward(lower, order, solved);
         let explained = squares(solved);
         backward(lower, order, solved);
-        let left = self.square - explained - ridge * squares(solved);
-        let used = order as f64 - ridge * inverse_trace(lower, order);
-        left.max(ROUNDING * self.square) / (degrees - used).max(1.0)
+        self.square - explained - ridge * squares(solved)
     }
 }
 
@@ -141,6 +173,10 @@ mod tests {
         };
         assert!((ridge(9.0) - first).abs() < 1e-15);
         assert!((found - ridge(ridge(first))).abs() < 1e-15);
+        let mean = mean_square_left(&products, 3, 8.0, 1e-18, 3.0);
+        let added = 10.0 / 8.0 / 9.0;
+        let left = 10.0 - 4.0 / (4.0 + added) - added * (2.0_f64 / (4.0 + added)).powi(2);
+        assert!((mean - left / 8.0).abs() < 1e-15);
         let found = ridge_coefficients(&products, 3, 8.0, 1e-18, 3.0);
         assert!((found[0] - 2.0 / (4.0 + 10.0 / 8.0 / 9.0)).abs() < 1e-15);
     }
