@@ -193,9 +193,9 @@ def averaged_out(
     variance: NDArray[np.float64],
 ) -> tuple[NDArray[np.float64], _Column]: ...
 def imitations(
-    products: NDArray[np.float64],
-    signal: NDArray[np.float64],
-    beside: NDArray[np.float64],
+    products: NDArray[np.floating[Any]],
+    signal: NDArray[np.floating[Any]],
+    beside: NDArray[np.floating[Any]],
     forms: Sequence[Form],
 ) -> tuple[_Column, _Column]: ...
 def legendre_values(

@@ -120,10 +120,9 @@ pub fn mean_squares_left<'py>(
     positive("degrees", degrees)?;
     not_negative("variance_floor", variance_floor)?;
     positive("ridge_width", ridge_width)?;
-    let left =
-        |own: &[f64]| solve::mean_square_left(own, width, degrees, variance_floor, ridge_width);
     let products = &*products;
-    let found = py.detach(|| products.chunks_exact(width * width).map(left).collect());
+    let found = py
+        .detach(|| solve::mean_squares_left(products, width, degrees, variance_floor, ridge_width));
     Ok(PyArray1::from_vec(py, found))
 }
 

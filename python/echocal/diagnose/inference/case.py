@@ -73,7 +73,7 @@ class Case:
     @cached_property
     def row_folds(self) -> Folds:
         """The folds of the rows of which the table has units."""
-        return self.folds.of_rows(self.table.unit)
+        return self.folds if self.table.members is None else self.folds.of_rows(self.table.unit)
 
     @cached_property
     def rows_without_offsets(self) -> Table:
@@ -106,7 +106,7 @@ class Case:
             if self.sums.has(noise)
         )
 
-    @property
+    @cached_property
     def usual_noises(self) -> tuple[Noise, ...]:
         """Those that do not depend on the distance, whether summed or not: each kind with all its prior."""
         settings, slow = self.settings.noise_models, self.has_slow_air
@@ -117,7 +117,7 @@ class Case:
         """Whether the air along the path may differ from that at the thermometer, slowly."""
         return bool(self.found.slow_air)
 
-    @property
+    @cached_property
     def at_stations(self) -> bool:
         """Whether rows are at several stations, each of which may err by itself."""
         return not self.sums.flat_level and len(np.unique(self.sums.cell_group)) > 1
@@ -147,8 +147,12 @@ class Case:
         return replace(self, sums=self.sums.with_correlations(self.found.columns, correlations), stacks={})
 
     def stack(self, blocks: NDArray[np.bool_]) -> Stack:
-        """Whitened products over some blocks, one per noise."""
-        return self._stack(self.noises, blocks)
+        """Whitened products over some blocks, one per noise; those of a fold's few noises are kept."""
+        stack = self._stack(self.noises, blocks)
+        if self.probable is not None:
+            key = blocks.tobytes()
+            self.stacks.update(((one.noises[0], key), one) for one in stack.each())
+        return stack
 
     def whitened(self, noise: Noise, blocks: NDArray[np.bool_]) -> Stack:
         """The same of one noise, made once."""

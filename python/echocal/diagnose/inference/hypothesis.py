@@ -1,7 +1,7 @@
 """Evidence: how probable the data are under a hypothesis, all sizes of its causes averaged."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import accumulate, pairwise
@@ -101,6 +101,12 @@ class Stack:
             degrees,
             tuple(w.noise for w in whitened),
         )
+
+    def each(self) -> Iterator["Stack"]:
+        """Each noise by itself."""
+        for at, noise in enumerate(self.noises):
+            own = slice(at, at + 1)
+            yield Stack(self.products[own], self.log_weight[own], self.degrees, (noise,))
 
     def only(self, noises: NDArray[np.bool_]) -> "Stack":
         """Keep some noises."""

@@ -43,7 +43,8 @@ def probabilities(
     dict of tuple of str to float
         Probability of each set by its sorted ids, most probable first; the sum is one.
     """
-    causes_of = {number_of(id_): id_ for fit in fits for id_ in fit.hypothesis.causes}
+    ids = {id_ for fit in fits for id_ in fit.hypothesis.causes}
+    causes_of = {number_of(id_): id_ for id_ in ids}
     ranking = _core.rank(
         [[variant.form for variant in fit.hypothesis.variants] for fit in fits],
         np.array([fit.log_posterior for fit in fits]),

@@ -23,6 +23,6 @@ pub use log_evidence::log_evidence;
 pub(crate) use log_evidence::{EvidenceSolver, NARROWER};
 pub(crate) use mixture::log_sum;
 pub use prior_widths::WIDTHS;
-pub use ridge::{mean_square_left, residual_variance, ridge_coefficients};
+pub use ridge::{mean_squares_left, residual_variance, ridge_coefficients};
 pub(crate) use stack::NoiseTable;
 pub use stack::WhitenedStack;

@@ -54,26 +54,31 @@ pub fn ridge_coefficients(
     ridge.solved
 }
 
-/// Mean square that the columns between the first and the last of some products leave of the last.
+/// Mean square that the columns between the first and the last leave of the last, for each of some
+/// matrices of products.
 ///
 /// A ridge of some prior standard deviations, beside the mean square of the last column.
 ///
 /// # Panics
-/// If the products are not a square of at least two columns.
+/// If there are fewer than two columns.
 #[must_use]
-pub fn mean_square_left(
+pub fn mean_squares_left(
     products: &[f64],
     width: usize,
     degrees: f64,
     variance_floor: f64,
     ridge_width: f64,
-) -> f64 {
-    let mut ridge = Ridge::of(products, width);
-    let order = ridge.along.len();
-    let size: f64 = (0..order).map(|i| ridge.among[i * order + i]).sum();
-    let variance = (ridge.square / degrees).max(variance_floor);
-    let left = ridge.leave((variance / (ridge_width * ridge_width)).max(ROUNDING * size));
-    (left / degrees).max(variance_floor)
+) -> Vec<f64> {
+    let mut ridge = Ridge::default();
+    let left = |own: &[f64]| {
+        ridge.take(own, width);
+        let order = ridge.along.len();
+        let size: f64 = (0..order).map(|i| ridge.among[i * order + i]).sum();
+        let variance = (ridge.square / degrees).max(variance_floor);
+        let left = ridge.leave((variance / (ridge_width * ridge_width)).max(ROUNDING * size));
+        (left / degrees).max(variance_floor)
+    };
+    products.chunks_exact(width * width).map(left).collect()
 }
 
 /// Products of columns with each other and with what they explain, and memory.
@@ -88,18 +93,21 @@ struct Ridge {
 
 impl Ridge {
     fn of(products: &[f64], width: usize) -> Self {
+        let mut ridge = Self::default();
+        ridge.take(products, width);
+        ridge
+    }
+
+    fn take(&mut self, products: &[f64], width: usize) {
         assert!(width >= 2 && products.len() == width * width);
         let order = width - 2;
-        let line = |row: usize| &products[(1 + row) * width + 1..][..order + 1];
-        Self {
-            among: (0..order)
-                .flat_map(|row| &line(row)[..order])
-                .copied()
-                .collect(),
-            along: (0..order).map(|row| line(row)[order]).collect(),
-            square: line(order)[order],
-            ..Self::default()
+        self.among.clear();
+        self.along.clear();
+        for line in products[width..].chunks_exact(width).take(order) {
+            self.among.extend_from_slice(&line[1..=order]);
+            self.along.push(line[order + 1]);
         }
+        self.square = products[width * width - 1];
     }
 
     on_widest! {
@@ -173,7 +181,7 @@ mod tests {
         };
         assert!((ridge(9.0) - first).abs() < 1e-15);
         assert!((found - ridge(ridge(first))).abs() < 1e-15);
-        let mean = mean_square_left(&products, 3, 8.0, 1e-18, 3.0);
+        let mean = mean_squares_left(&products, 3, 8.0, 1e-18, 3.0)[0];
         let added = 10.0 / 8.0 / 9.0;
         let left = 10.0 - 4.0 / (4.0 + added) - added * (2.0_f64 / (4.0 + added)).powi(2);
         assert!((mean - left / 8.0).abs() < 1e-15);
