@@ -167,7 +167,7 @@ def examined(reading: Reading, request: Request, work: Steps) -> Examined:
             work.level_steps = len(level_steps)
 
         doubts = unconfirmed(case, validation, judge, selection.noise) | implausible(validation.kept, ranking)
-        validation = replace(validation, doubts=doubts)
+        validation = replace(validation, doubts={**validation.doubts, **doubts})
         smooth = smooth_correction(case, validation, judge, selection.noise)
         left = remainder(case, ranking, validation, smooth, selection.noise)
 

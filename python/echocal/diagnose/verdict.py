@@ -32,7 +32,7 @@ def verdict(
     if left is not None and left.turns:
         return "unknown"
     shifted = not validation.kept and _shifted(ranking, selection)
-    is_open = bool(doubts or validation.refuted or validation.withheld or shifted)
+    is_open = bool(doubts or validation.refuted or shifted)
     if not is_open and any(f.probability >= named for f in joint.decisive):
         return "named"
     if selection.term is not None:

@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from echocal.diagnose.experiment_design.average import Member
 from echocal.diagnose.findings.parts import (
     Cause,
-    Gain,
     NextMeasurement,
     Parameter,
     Remainder,
@@ -105,16 +104,14 @@ def _causes(
     joint: Joint,
     word: Verdict,
 ) -> tuple[Cause, ...]:
-    recorded, withheld = Recorded(case.table.against()), validation.withheld
-    doubts = dict(validation.doubts)
-    if withheld is not None:
-        doubts |= dict.fromkeys((c.cause for c in withheld.claims), _unearned(withheld.gain))
+    recorded = Recorded(case.table.against())
     others = alternatives(ranking, selection.every_claim) if word == "ambiguous" else []
     refuted = {one.id for one in validation.refuted}
-    others = [claim for claim in others if claim.cause not in refuted]
+    told = {claim.cause for claim in validation.claims}
+    others = [claim for claim in others if claim.cause not in refuted | told]
     return (
         *(
-            _cause(case, ranking, claim, validation, recorded, doubts.get(claim.cause, ""))
+            _cause(case, ranking, claim, validation, recorded, validation.doubts.get(claim.cause, ""))
             for claim in validation.claims
         ),
         *(_cause(case, ranking, claim, validation, recorded) for claim in others),
@@ -159,29 +156,6 @@ def _uncertainties(claim: Claim, model: Model | None) -> dict[str, float]:
     variant = claim.variant
     named = claim.deviation[: len(variant.scales)] * variant.scales
     return dict(zip(variant.names, named.tolist(), strict=False))
-
-
-def _unearned(gain: Gain) -> str:
-    """Why causes are not named."""
-    low, high = (1e3 * end for end in gain.interval_95)
-    if low == high == 0.0:
-        return (
-            f"without the rows that judge it, no cause is chosen, so {gain.judged_rows} show no gain over "
-            "the base. The model leaves it out, and it is not named"
-        )
-    rows = f"on {gain.judged_rows}, which its choice has not seen, a model with it"
-    if gain.rms_after_m >= gain.rms_before_m:
-        return (
-            f"{rows} has an error of {1e3 * gain.rms_after_m:.2f} mm, the base {1e3 * gain.rms_before_m:.2f} "
-            "mm. Under the noise these rows are more probable with it, so it is not refuted. But the error "
-            "is not smaller, so the model leaves it out, and it is not named"
-        )
-    first, last = gain.log_score_interval_95 or (gain.log_score or 0.0,) * 2
-    return (
-        f"{rows} gains {low:.2f} to {high:.2f} mm over the base, and the log density of these rows under "
-        f"the noise changes by {first:.1f} to {last:.1f} (95 % intervals). Not both intervals are above 0, "
-        "so the model leaves it out, and it is not named"
-    )
 
 
 def _slow_noise(case: Case, ranking: Ranking, selection: Selection) -> list[str]:

@@ -26,26 +26,12 @@ from echocal.diagnose.validation.rest import Rest
 from echocal.diagnose.validation.score import Score
 from echocal.diagnose.validation.shifted import shifted
 from echocal.diagnose.validation.trials import Trials, fit_with
+from echocal.diagnose.validation.withheld import unearned
 from echocal.model import Model
 
-__all__ = ["Validation", "Withheld", "validate"]
+__all__ = ["Validation", "validate"]
 
 Mask = NDArray[np.bool_]
-
-
-@dataclass(frozen=True)
-class Withheld:
-    """Claims whose gain may be chance.
-
-    Attributes
-    ----------
-    claims : tuple of Claim
-    gain : Gain
-        Of the model that has them.
-    """
-
-    claims: tuple[Claim, ...]
-    gain: Gain
 
 
 @dataclass(frozen=True)
@@ -63,10 +49,10 @@ class Validation:
     gain : Gain
     fitted : callable
         ``fitted(blocks)`` is the same model, fitted on these blocks alone.
-    withheld : Withheld or None
+    withheld : tuple of Claim
         Claims that the model does not have, because their gain is not proven.
     doubts : mapping of str to str
-        Why claims of the model are not named, whatever their probability is.
+        Why claims are not named, whatever their probability is.
     """
 
     kept: tuple[Claim, ...]
@@ -75,13 +61,13 @@ class Validation:
     model: Model
     gain: Gain
     fitted: Callable[[Mask], Model]
-    withheld: Withheld | None = None
+    withheld: tuple[Claim, ...] = ()
     doubts: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def claims(self) -> tuple[Claim, ...]:
         """Claims that no row refutes, in the model or withheld from it."""
-        return self.kept if self.withheld is None else self.withheld.claims
+        return self.kept + self.withheld
 
     def further_level_step(self, table: Table) -> int | None:
         """Source row of a claimed step of an unknown level, if no segment begins there yet.
@@ -117,14 +103,16 @@ def validate(case: Case, selection: Selection, judge: Judge, stack: Stack) -> Va
     before = judge.base()
     rest = judge.judged(trials, Rest(selection.best.hypothesis, tuple(selection.claims), before))
     score = judge.score(rest.after, before, selection.noise) if rest.kept else None
+    gain = _gain(trials, judge, rest, before, selection, score)
     refuted: tuple[Refuted, ...] = ()
-    if score is not None and _larger(rest.after, before):
-        low, _ = score.interval(case.settings.validation)
-        if not low > 0.0:
-            refuted, rest = _refuted(rest, before, score.total), _base_alone(rest, before)
-    gain, withheld = _gain(trials, judge, rest, before, selection, score), None
+    withheld: tuple[Claim, ...] = ()
+    doubts: dict[str, str] = {}
     if rest.kept and not gain.earned:
-        withheld = Withheld(rest.kept, gain)
+        low, _ = (score or Score(np.zeros(0))).interval(case.settings.validation)
+        if _larger(rest.after, before) and not low > 0.0:
+            refuted = _refuted(rest, before, gain.log_score)
+        else:
+            withheld, doubts = rest.kept, {claim.cause: unearned(gain) for claim in rest.kept}
         rest = _base_alone(rest, before)
         gain = _gain(trials, judge, rest, before, selection)
     fit = _fit(trials, rest, selection)
@@ -136,10 +124,11 @@ def validate(case: Case, selection: Selection, judge: Judge, stack: Stack) -> Va
         gain,
         trials.fitted(rest.hypothesis, rest.kept),
         withheld,
+        doubts,
     )
 
 
-def _refuted(rest: Rest, before: HeldOut, log_score: float) -> tuple[Refuted, ...]:
+def _refuted(rest: Rest, before: HeldOut, log_score: float | None) -> tuple[Refuted, ...]:
     """All claims: the whole model is no better than the base."""
     after, base = on_common_rows(rest.after, before)
     ids = tuple(claim.cause for claim in rest.kept)
