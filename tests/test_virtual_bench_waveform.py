@@ -153,6 +153,24 @@ def test_crossings_are_those_of_the_sampled_waveform(random: np.random.Generator
         assert (ours <= late + HUNDREDTH_OF_A_CYCLE).all()
 
 
+def test_the_threshold_may_step_in_the_midst_of_a_crest(random: np.random.Generator) -> None:
+    """A voltage that falls below the old threshold before the step has not lasted."""
+    cycles, scene = 16, drawn_scene(random, 60)
+    signal = received(scene, Sensor(burst_scatter=0.0))
+    start = signal.delays[:, 1]
+    for row in range(60):
+        here, begin = signal.at(np.array([row])), start[[row]]
+        time = begin + np.arange(0.0, cycles / 40e3, 1 / 20e6)
+        voltage = here.voltage(time[None])[0]
+        step = float(time[voltage.argmax()]) + random.uniform(-3e-6, 4e-6)
+        high = max(float(voltage.max()), 1e-9) * random.uniform(0.85, 1.0)
+        comparator = Comparator(threshold=0.5 * high, raised=0.0, steps=((step, 2.0),))
+        ours = np.nan_to_num(first_crossing(here, begin, cycles, comparator), nan=np.inf)
+        early, late = sampled_crossing(here, begin, cycles, comparator)
+        assert (ours >= early - HUNDREDTH_OF_A_CYCLE).all()
+        assert (ours <= late + HUNDREDTH_OF_A_CYCLE).all()
+
+
 def test_readings_are_the_first_crossings_of_the_whole_waveform(random: np.random.Generator) -> None:
     """Without noise, over all windows, steps, blanking: nothing is skipped and nothing is invented."""
     tolerance = HUNDREDTH_OF_A_CYCLE + 1 / 2.5e6
