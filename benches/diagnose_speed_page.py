@@ -2,7 +2,7 @@
 
 from typing import Any
 
-GOALS = {"1000": 0.1, "100000": 0.4, "1000000": 2.0}
+GOALS = {"1000": 0.06, "100000": 0.15, "1000000": 1.0}
 """Seconds that the whole diagnosis should take at most, by rows, with the choice of causes in every fold."""
 
 OPENING = """# Speed of a diagnosis

@@ -77,9 +77,9 @@ MUTANTS = (
     ),
     Mutant(
         "sizes without the bounds of their parameters",
-        "inference/hypothesis.py",
-        "variant.free, variant.bounds, variant.weight)",
-        "variant.free, ((-math.inf, math.inf),) * len(variant.free), variant.weight)",
+        "candidates/variant.py",
+        "self.free, self.bounds, self.weight)",
+        "self.free, ((float('-inf'), float('inf')),) * len(self.free), self.weight)",
         "test_method.py",
     ),
     # priors
@@ -172,8 +172,8 @@ MUTANTS = (
     Mutant(
         "sign of the log score",
         "validation/score.py",
-        "gained.append((rows, other - own))",
-        "gained.append((rows, own - other))",
+        "compared[rows] = other - own, True",
+        "compared[rows] = own - other, True",
         "test_diagnose_score.py",
     ),
     # what is told
@@ -238,8 +238,8 @@ MUTANTS = (
     Mutant(
         "causes that the data cannot separate are not told",
         "inference/alias.py",
-        "for cause, variants in others.items() if any(map(alike, variants))]",
-        "for cause, variants in others.items() if False]",
+        "for at in np.flatnonzero(alike)))",
+        "for at in ()))",
         "test_diagnose_alias.py",
     ),
     Mutant(

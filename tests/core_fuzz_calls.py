@@ -134,6 +134,12 @@ def fit_hypotheses(*given: Any) -> tuple[Any, ...]:
     return tuple((one.log_evidence, one.mean, one.covariance, one.noise, one.variance) for one in found)
 
 
+def imitations(*given: Any) -> tuple[Any, ...]:
+    """Imitate a signal by forms given as arguments."""
+    *signal, some = given
+    return _core.imitations(*signal, forms(some))
+
+
 def posterior(*given: Any) -> tuple[Any, ...]:
     """Search hypotheses, given everything as arguments."""
     *stack, some, prior, options = given
@@ -153,12 +159,6 @@ def rank(
 def whiten(noises: Any, used: Any) -> tuple[Any, ...]:
     """Whiten sums for noises given as arguments."""
     return sums().whiten([_core.NoiseModel(*one) for one in noises], used)
-
-
-def fit(noise: Any, used: Any, degrees: Any, floor: Any, hypotheses: Any, one_width: Any) -> tuple[Any, ...]:
-    """Hypotheses fitted to some blocks of the sums."""
-    given = _core.NoiseModel(*noise), used, degrees, floor, [forms(one) for one in hypotheses]
-    return tuple(found.mean for found in sums().fit(*given, one_width))
 
 
 def firmware_request() -> dict[str, Any]:
@@ -263,9 +263,6 @@ CALLS: dict[str, Callable[[], Call]] = {
     "Columns.gram": of_columns("gram"),
     "Columns.products": lambda: Call(columns().products, layout(), columns=(0, 1, 2, 3)),
     "Sums.whiten": lambda: Call(whiten, [[(1, 0.5, 0.1, 0.7, -1.0)], [True, True]]),
-    "Sums.fit": lambda: Call(
-        fit, [(1, 0.5, 0.1, 0.7, -1.0), [True, True], 40.0, 1e-12, [FORMS, FORMS[:1]], False]
-    ),
     "Sums.joined": of_sums("joined", sums),
     "Sums.without_infinite": of_sums("without_infinite"),
     "Firmware.files": lambda: Call(_FIRMWARE.files, [[MEASURED]]),
@@ -287,6 +284,13 @@ CALLS: dict[str, Callable[[], Call]] = {
     "preferred_form": lambda: Call(_core.preferred_form, [[0.0, -1.0], [1, 2], 1.5]),
     "residual_variance": lambda: Call(_core.residual_variance, [products()[0].copy(), 50.0, 1.0, 1e-12, 3.0]),
     "ridge_coefficients": lambda: Call(_core.ridge_coefficients, [products()[0].copy(), 50.0, 1e-12, 3.0]),
+    "mean_squares_left": lambda: Call(_core.mean_squares_left, [products(), 50.0, 1e-12, 3.0]),
+    "averaged_out": lambda: Call(
+        _core.averaged_out, [products(), [1], [0, 1, 2, 5], [0, 2], guard(np.ones(2))]
+    ),
+    "imitations": lambda: Call(
+        imitations, [products()[0].copy(), guard(np.eye(6)[1]), guard(np.eye(6)[2]), FORMS]
+    ),
     "legendre_values": lambda: Call(_core.legendre_values, [column(), 0.5, 3.0, [1.0, 1.0]]),
     "wave_values": lambda: Call(_core.wave_values, [column(), 24.0, [1.0, 1.0]]),
     "spread": lambda: Call(_core.spread, [column()]),
@@ -298,6 +302,9 @@ CALLS: dict[str, Callable[[], Call]] = {
         columns=(0, 1, 2),
     ),
     "log_density": lambda: Call(_core.log_density, [column(), 4.0]),
+    "fitted_densities": lambda: Call(
+        _core.fitted_densities, [np.stack([column(), column()]), [4.0, np.inf], 0.0]
+    ),
     "slips": lambda: Call(_core.slips, slips(), columns=(0, 1, 2, 3, 7)),
     "whitened": lambda: Call(
         _core.whitened, [0.5, 0.3, 0.9, column(), starts(), column()], columns=(3, 4, 5)

@@ -65,12 +65,6 @@ def _whiten(noise: int = 0, used: int = 2) -> Any:
     return calls.sums().whiten([_core.NoiseModel(noise, 0.0, 0.1, 1.0, 0.0)], [True] * used)
 
 
-def _fit_to_blocks(noise: int = 0, used: int = 2, degrees: float = 40.0, column: int = 1) -> Any:
-    model = _core.NoiseModel(noise, 0.0, 0.1, 1.0, 0.0)
-    forms = [_core.Form(0, [], [column], [(-1.0, 1.0)], 1.0)]
-    return calls.sums().fit(model, [True] * used, degrees, 1e-12, [forms], False)
-
-
 def _other_cells() -> Any:
     places = [(0, 0), (0, 1), (1, 2), (1, 2)]
     return calls.sums().joined(_products(places=places))
@@ -178,18 +172,6 @@ REFUSED: dict[str, tuple[Callable[[], Any], type[Exception], str]] = {
         "no correlation 3: there are 3",
     ),
     "blocks of other sums": (lambda: _whiten(used=3), ValueError, "used has 3 rows, series has 2"),
-    "a fit under a correlation that is not there": (
-        lambda: _fit_to_blocks(noise=3),
-        IndexError,
-        "no correlation 3: there are 3",
-    ),
-    "a fit to blocks of other sums": (
-        lambda: _fit_to_blocks(used=3),
-        ValueError,
-        "used has 3 rows, series has 2",
-    ),
-    "a fit to no rows": (lambda: _fit_to_blocks(degrees=0.0), ValueError, "degrees"),
-    "a fit of a column that is not there": (lambda: _fit_to_blocks(column=9), IndexError, "no column 9"),
     "sums of other groups": (_other_cells, ValueError, "the sums are of other rows"),
     "codes too few": (lambda: _evaluate([1, 2]), ValueError, "takes 2 codes, but got 1"),
     "codes too many": (lambda: _evaluate([1], [1], [1]), ValueError, "takes 2 codes, but got 3"),

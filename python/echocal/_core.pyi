@@ -182,12 +182,31 @@ def residual_variance(
 def ridge_coefficients(
     products: NDArray[np.float64], degrees: float, variance_floor: float, ridge_width: float
 ) -> _Column: ...
+def mean_squares_left(
+    products: NDArray[np.float64], degrees: float, variance_floor: float, ridge_width: float
+) -> _Column: ...
+def averaged_out(
+    products: NDArray[np.float64],
+    columns: Sequence[int],
+    kept: Sequence[int],
+    place: Sequence[int],
+    variance: NDArray[np.float64],
+) -> tuple[NDArray[np.float64], _Column]: ...
+def imitations(
+    products: NDArray[np.floating[Any]],
+    signal: NDArray[np.floating[Any]],
+    beside: NDArray[np.floating[Any]],
+    forms: Sequence[Form],
+) -> tuple[_Column, _Column]: ...
 def legendre_values(
     values: NDArray[np.float64], low: float, high: float, scales: list[float]
 ) -> NDArray[np.float64]: ...
 def wave_values(values: NDArray[np.float64], period: float, scales: list[float]) -> NDArray[np.float64]: ...
 def spread(values: NDArray[np.float64]) -> _Column: ...
 def log_density(values: NDArray[np.float64], freedom: float) -> NDArray[np.float64]: ...
+def fitted_densities(
+    values: NDArray[np.float64], freedoms: Sequence[float], least: float
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]: ...
 def slips(
     left: NDArray[np.float64],
     step: NDArray[np.float64],
@@ -295,15 +314,6 @@ class Sums:
     @property
     def width(self) -> int: ...
     def whiten(self, noises: list[NoiseModel], used: list[bool]) -> tuple[NDArray[np.float64], _Column]: ...
-    def fit(
-        self,
-        noise: NoiseModel,
-        used: list[bool],
-        degrees: float,
-        variance_floor: float,
-        hypotheses: list[list[Form]],
-        one_width: bool,
-    ) -> list[HypothesisFit]: ...
     def joined(self, more: Sums) -> Sums: ...
     def without_infinite(self) -> tuple[Sums, list[bool]]: ...
 

@@ -2,23 +2,20 @@
 
 use echocal_core::batch::available_threads;
 use echocal_infer::search::{self, RankedHypothesis};
-use echocal_infer::solve::{self, Variant, WhitenedStack};
-use numpy::{Ix2, Ix3, PyArray1};
+use echocal_infer::solve::{self, AveragedOut, Signal, Variant, WhitenedStack};
+use numpy::prelude::*;
+use numpy::{Ix2, Ix3, PyArray1, PyArray3};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
-use crate::border::{Array, Column, same_length, same_length_not_empty};
+use crate::border::{Array, Column, same_length, same_length_not_empty, within};
 use crate::infer_checks::{not_negative, positive};
 use crate::infer_classes::{
     CoreForm, CoreHypothesisFit, CorePosterior, CorePrior, CoreRanking, CoreSearchOptions, variants,
 };
 
-fn stack<'a>(
-    products: &'a Array<'_, f64, Ix3>,
-    log_weight: &'a [f64],
-    degrees: f64,
-    variance_floor: f64,
-) -> PyResult<WhitenedStack<'a>> {
+/// Number and width of square matrices, one for each noise.
+fn matrices(products: &Array<'_, f64, Ix3>) -> PyResult<(usize, usize)> {
     let &[noises, width, other] = products.shape() else {
         unreachable!("a three-dimensional array has three lengths")
     };
@@ -28,6 +25,16 @@ fn stack<'a>(
         );
         return Err(PyValueError::new_err(message));
     }
+    Ok((noises, width))
+}
+
+fn stack<'a>(
+    products: &'a Array<'_, f64, Ix3>,
+    log_weight: &'a [f64],
+    degrees: f64,
+    variance_floor: f64,
+) -> PyResult<WhitenedStack<'a>> {
+    let (noises, width) = matrices(products)?;
     same_length(&[("products", noises), ("log_weight", log_weight.len())])?;
     positive("degrees", degrees)?;
     not_negative("variance_floor", variance_floor)?;
@@ -95,14 +102,102 @@ pub fn ridge_coefficients<'py>(
     Ok(PyArray1::from_vec(py, found))
 }
 
+/// Mean square that all columns together leave of the last one, under each noise.
+#[pyfunction]
+pub fn mean_squares_left<'py>(
+    py: Python<'py>,
+    products: Array<'py, f64, Ix3>,
+    degrees: f64,
+    variance_floor: f64,
+    ridge_width: f64,
+) -> PyResult<Bound<'py, PyArray1<f64>>> {
+    let (_, width) = matrices(&products)?;
+    if width < 2 {
+        return Err(PyValueError::new_err(
+            "products have fewer than two columns",
+        ));
+    }
+    positive("degrees", degrees)?;
+    not_negative("variance_floor", variance_floor)?;
+    positive("ridge_width", ridge_width)?;
+    let products = &*products;
+    let found = py
+        .detach(|| solve::mean_squares_left(products, width, degrees, variance_floor, ridge_width));
+    Ok(PyArray1::from_vec(py, found))
+}
+
+/// Products without some columns whose sizes have standard deviation 1, and what that adds to the log
+/// evidence. `place`, `variance`: the matrix, and the variance of the innovations, of each of the results;
+/// an infinite variance takes nothing out.
+#[pyfunction]
+#[allow(clippy::type_complexity)] // as Python sees it
+pub fn averaged_out<'py>(
+    py: Python<'py>,
+    products: Array<'py, f64, Ix3>,
+    columns: Vec<usize>,
+    kept: Vec<usize>,
+    place: Vec<usize>,
+    variance: Column<'py, f64>,
+) -> PyResult<(Bound<'py, PyArray3<f64>>, Bound<'py, PyArray1<f64>>)> {
+    let (noises, width) = matrices(&products)?;
+    within("column", columns.iter().chain(&kept).copied(), width)?;
+    within("matrix", place.iter().copied(), noises)?;
+    same_length_not_empty(&[("place", place.len()), ("variance", variance.len())])?;
+    same_length_not_empty(&[("kept", kept.len())])?;
+    for &variance in &*variance {
+        not_negative("a variance", variance)?;
+    }
+    let wanted: Vec<_> = place.into_iter().zip(variance.iter().copied()).collect();
+    let out = AveragedOut {
+        columns: &columns,
+        kept: &kept,
+    };
+    let (products, threads) = (&*products, available_threads());
+    let (found, log) = py.detach(|| out.of(products, width, &wanted, threads));
+    let shape = [wanted.len(), kept.len(), kept.len()];
+    let found = PyArray1::from_vec(py, found).reshape(shape)?;
+    Ok((found, PyArray1::from_vec(py, log)))
+}
+
+/// Log odds that remain against the imitation of a signal by each form, and the size that each needs.
+#[pyfunction]
+#[allow(clippy::type_complexity)] // as Python sees it
+pub fn imitations<'py>(
+    py: Python<'py>,
+    products: Array<'py, f64, Ix2>,
+    signal: Column<'py, f64>,
+    beside: Column<'py, f64>,
+    forms: Vec<PyRef<'py, CoreForm>>,
+) -> PyResult<(Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>)> {
+    let &[width, other] = products.shape() else {
+        unreachable!("a two-dimensional array has two lengths")
+    };
+    same_length_not_empty(&[
+        ("products", width),
+        ("a line of products", other),
+        ("signal", signal.len()),
+        ("beside", beside.len()),
+    ])?;
+    let forms = variants(&forms, width)?;
+    let given = Signal {
+        products: &products,
+        signal: &signal,
+        beside: &beside,
+    };
+    let found = given.imitations(&forms);
+    let left = found.iter().map(|one| one.left).collect();
+    let size = found.iter().map(|one| one.size).collect();
+    Ok((PyArray1::from_vec(py, left), PyArray1::from_vec(py, size)))
+}
+
 /// Forms of one hypothesis whose widths can be combined: each has three, and every combination costs.
 const MOST_MIXED: usize = 12;
 
 /// Hypotheses as Python gives them: the forms of each.
-pub type Hypotheses<'py> = Vec<Vec<PyRef<'py, CoreForm>>>;
+type Hypotheses<'py> = Vec<Vec<PyRef<'py, CoreForm>>>;
 
 /// Hypotheses whose widths can be combined, checked against the number of columns.
-pub fn fittable(
+fn fittable(
     hypotheses: &Hypotheses<'_>,
     width: usize,
     one_width: bool,

@@ -46,7 +46,8 @@ mod _core {
     use super::firmware::{CoreFirmware, design_firmware, echo_times};
     #[pymodule_export]
     use super::infer::{
-        fit_hypotheses, posterior, preferred_form, rank, residual_variance, ridge_coefficients,
+        averaged_out, fit_hypotheses, imitations, mean_squares_left, posterior, preferred_form,
+        rank, residual_variance, ridge_coefficients,
     };
     #[pymodule_export]
     use super::infer_classes::{
@@ -56,7 +57,7 @@ mod _core {
     #[pymodule_export]
     use super::model::CoreModel;
     #[pymodule_export]
-    use super::noise::{CoreSlipFit, log_density, slips};
+    use super::noise::{CoreSlipFit, fitted_densities, log_density, slips};
     #[pymodule_export]
     use super::registry::{effects, laws, quantities};
     #[pymodule_export]

@@ -2,11 +2,12 @@
 
 use echocal_infer::noise::{CycleSlips, NoiseDensity};
 use numpy::prelude::*;
-use numpy::{PyArray1, PyArray2};
+use numpy::{Ix2, PyArray1, PyArray2};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
-use crate::border::{Column, labels, same_length_not_empty};
+use crate::border::{Array, Column, labels, same_length_not_empty};
+use crate::infer_checks::not_negative;
 
 /// A mixture of groups of rows that are whole steps apart.
 #[pyclass(name = "SlipFit", module = "echocal._core", frozen, get_all)]
@@ -30,6 +31,38 @@ pub fn log_density<'py>(
 ) -> PyResult<Bound<'py, PyArray1<f64>>> {
     let found = NoiseDensity::of(freedom).log_densities(&values);
     Ok(PyArray1::from_vec(py, found))
+}
+
+/// Scale of greatest likelihood of each line of some numbers, no smaller than the `least`, and the log
+/// density there, under each number of degrees of freedom.
+#[pyfunction]
+#[allow(clippy::type_complexity)] // as Python sees it
+pub fn fitted_densities<'py>(
+    py: Python<'py>,
+    values: Array<'py, f64, Ix2>,
+    freedoms: Vec<f64>,
+    least: f64,
+) -> PyResult<(Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>)> {
+    let &[lines, length] = values.shape() else {
+        unreachable!("a two-dimensional array has two lengths")
+    };
+    same_length_not_empty(&[("values", length)])?;
+    not_negative("least", least)?;
+    let values = &*values;
+    let found: Vec<_> = py.detach(|| {
+        let of = |&freedom: &f64| {
+            let mut density = NoiseDensity::of(freedom);
+            let each = values.chunks_exact(length);
+            each.map(move |line| density.fitted(line, least))
+        };
+        freedoms.iter().flat_map(of).collect()
+    });
+    let shape = [freedoms.len(), lines];
+    let (scales, logs) = found.into_iter().unzip();
+    Ok((
+        PyArray1::from_vec(py, scales).reshape(shape)?,
+        PyArray1::from_vec(py, logs).reshape(shape)?,
+    ))
 }
 
 /// Fits groups that are whole steps apart, from some levels and a scale on; see the core.

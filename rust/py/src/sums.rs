@@ -4,16 +4,13 @@ use echocal_core::batch::available_threads;
 use echocal_infer::noise::{
     Autoregression, Convection, MovingAverage, NoiseCorrelation, NoiseModel, Path, TableSums, White,
 };
-use echocal_infer::solve::{Fitted, fit_blocks};
 use numpy::prelude::*;
 use numpy::{PyArray1, PyArray3};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
 use crate::border::{Column, same_length, within};
-use crate::infer::{Hypotheses, fittable};
 use crate::infer_checks::{coefficient, not_negative, positive, required};
-use crate::infer_classes::CoreHypothesisFit;
 
 /// Correlated noise with one set of parameters, and a random error that the rows of a station share.
 #[pyclass(name = "NoiseModel", module = "echocal._core", frozen, get_all)]
@@ -167,36 +164,6 @@ impl CoreSums {
         let shape = [noises.len(), width, width];
         let products = PyArray1::from_vec(py, products).reshape(shape)?;
         Ok((products, PyArray1::from_vec(py, weights)))
-    }
-
-    /// Fits hypotheses, each by itself, to the blocks in use under one noise; with `one_width` with
-    /// the widest prior alone.
-    #[allow(clippy::too_many_arguments)] // as Python sees it
-    fn fit<'py>(
-        &self,
-        py: Python<'py>,
-        noise: PyRef<'py, CoreNoiseModel>,
-        used: Vec<bool>,
-        degrees: f64,
-        variance_floor: f64,
-        hypotheses: Hypotheses<'py>,
-        one_width: bool,
-    ) -> PyResult<Vec<CoreHypothesisFit>> {
-        let noise = self.given(&[noise], &used)?[0];
-        positive("degrees", degrees)?;
-        not_negative("variance_floor", variance_floor)?;
-        let hypotheses = fittable(&hypotheses, self.sums.width(), one_width)?;
-        let fitted = Fitted {
-            blocks: &used,
-            degrees,
-            variance_floor,
-        };
-        let threads = available_threads();
-        let fits =
-            py.detach(|| fit_blocks(&self.sums, &noise, &fitted, &hypotheses, one_width, threads));
-        fits.into_iter()
-            .map(|one| CoreHypothesisFit::of(py, one))
-            .collect()
     }
 
     /// Number of columns.

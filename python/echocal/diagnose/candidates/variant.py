@@ -2,10 +2,13 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
+from zlib import crc32
 
+from echocal import _core
 from echocal.diagnose.candidates.columns import Columns
 
-__all__ = ["UNKNOWN", "Candidates", "Variant"]
+__all__ = ["UNKNOWN", "Candidates", "Variant", "number_of"]
 
 UNKNOWN = "unknown"
 """Id of an unexplained term: a smooth function of one column without a cause."""
@@ -52,6 +55,18 @@ class Variant:
     def columns(self) -> tuple[int, ...]:
         """Every column that it uses."""
         return self.free if self.offset is None else (self.offset, *self.free)
+
+    @cached_property
+    def form(self) -> _core.Form:
+        """The same for the core, which knows a cause by a number; an unexplained term has none."""
+        cause = None if self.cause == UNKNOWN else number_of(self.cause)
+        offsets = [] if self.offset is None else [self.offset]
+        return _core.Form(cause, offsets, self.free, self.bounds, self.weight)
+
+
+def number_of(cause: str) -> int:
+    """The number by which the core knows a cause."""
+    return crc32(cause.encode())
 
 
 @dataclass

@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from echocal import _core
 from echocal.diagnose.candidates.columns import Columns
 from echocal.diagnose.candidates.variant import Candidates, Variant
-from echocal.diagnose.inference.averaged_out import averaged_out, noise_variances
 from echocal.diagnose.inference.hypothesis import Hypothesis, HypothesisFit, Stack
-from echocal.diagnose.inference.noise import Convection, Noise, NoiseCorrelation, noises
+from echocal.diagnose.inference.noise import VARIANCE_FLOOR, Convection, Noise, NoiseCorrelation, noises
 from echocal.diagnose.inference.sums import Sums
 from echocal.diagnose.preprocess.base import Base
 from echocal.diagnose.preprocess.folds import Folds
@@ -76,7 +76,7 @@ class Case:
     @cached_property
     def row_folds(self) -> Folds:
         """The folds of the rows of which the table has units."""
-        return self.folds.of_rows(self.table.unit)
+        return self.folds if self.table.members is None else self.folds.of_rows(self.table.unit)
 
     @cached_property
     def rows_without_offsets(self) -> Table:
@@ -109,7 +109,7 @@ class Case:
             if self.sums.has(noise)
         )
 
-    @property
+    @cached_property
     def usual_noises(self) -> tuple[Noise, ...]:
         """Those that do not depend on the distance, whether summed or not: each kind with all its prior."""
         settings, slow = self.settings.noise_models, self.has_slow_air
@@ -120,7 +120,7 @@ class Case:
         """Whether the air along the path may differ from that at the thermometer, slowly."""
         return bool(self.found.slow_air)
 
-    @property
+    @cached_property
     def at_stations(self) -> bool:
         """Whether rows are at several stations, each of which may err by itself."""
         return not self.sums.flat_level and len(np.unique(self.sums.cell_group)) > 1
@@ -154,8 +154,12 @@ class Case:
         return replace(self, sums=self.sums.with_correlations(self.found.columns, correlations), stacks={})
 
     def stack(self, blocks: NDArray[np.bool_]) -> Stack:
-        """Whitened products over some blocks, one per noise."""
-        return self._stack(self.noises, blocks)
+        """Whitened products over some blocks, one per noise; those of a fold's few noises are kept."""
+        stack = self._stack(self.noises, blocks)
+        if self.probable is not None:
+            key = blocks.tobytes()
+            self.stacks.update(((one.noises[0], key), one) for one in stack.each())
+        return stack
 
     def whitened(self, noise: Noise, blocks: NDArray[np.bool_]) -> Stack:
         """The same of one noise, made once."""
@@ -171,15 +175,19 @@ class Case:
             return Stack(self.without_slow_air(products), log_weight, degrees, noises)
         still = [replace(noise, slow_air=0.0, prior=1.0) for noise in noises]
         each = list(dict.fromkeys(still))  # the same for each difference of the air
-        at = np.array([each.index(noise) for noise in still])
+        at = [each.index(noise) for noise in still]
         products, log_weight = self.sums.whiten_all(each, blocks)
-        variance = noise_variances(products, degrees, WIDEST)
-        products, log_weight = products[at], log_weight[at] + np.log([noise.prior for noise in noises])
-        slow = kelvin > 0.0
-        variance = variance[at][slow] / kelvin[slow] ** 2  # the columns are of one kelvin
-        own, columns = products[slow], self.found.slow_air
-        products[slow], log_weight[slow] = averaged_out(own, log_weight[slow], columns, variance)
-        return Stack(self.without_slow_air(products), log_weight, degrees, noises)
+        # the columns are of one kelvin; without a difference, none is taken out
+        with np.errstate(divide="ignore"):
+            variance = self._mean_squares_left(products, degrees)[at] / kelvin**2
+        own, every = self.found.slow_air, range(products.shape[-1])
+        products, more = _core.averaged_out(products, own, every, at, variance)
+        priors = np.log([noise.prior for noise in noises])
+        return Stack(products, log_weight[at] + priors + more, degrees, noises)
+
+    def _mean_squares_left(self, products: NDArray[np.float64], degrees: int) -> NDArray[np.float64]:
+        """Mean square of what all columns together leave of the last one, under each noise [m^2]."""
+        return _core.mean_squares_left(products, degrees, VARIANCE_FLOOR**2, WIDEST)
 
     def without_slow_air(self, products: NDArray[np.float64]) -> NDArray[np.float64]:
         """Products in which air that differs from the thermometer explains nothing: the same, changed."""
@@ -202,7 +210,6 @@ class Case:
         order, last = self.sums.order, len(own) + 1
         sums = Sums.gather(columns, order, self.folds.blocks, [noise.correlation])
         products, degrees = sums.whiten(noise, blocks).products, sums.degrees(blocks)
-        width = WIDEST
-        (variance,) = noise_variances(products[None], degrees, width)
+        (variance,) = self._mean_squares_left(products[None], degrees)
         among = products[1:last, 1:last] + variance / noise.slow_air**2 * np.eye(len(own))
         return np.asarray(np.linalg.solve(among, products[1:last, last]) @ parts)

@@ -1,7 +1,7 @@
 """Evidence: how probable the data are under a hypothesis, all sizes of its causes averaged."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import accumulate, pairwise
@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 from echocal import _core
 from echocal.diagnose.candidates.variant import UNKNOWN, Variant
 from echocal.diagnose.inference.noise import VARIANCE_FLOOR, Noise
-from echocal.diagnose.inference.sums import Sums, Whitened
+from echocal.diagnose.inference.sums import Whitened
 
-__all__ = ["Hypothesis", "HypothesisFit", "Stack", "fit_hypotheses", "fit_hypothesis", "fit_to_blocks"]
+__all__ = ["Hypothesis", "HypothesisFit", "Stack", "fit_hypotheses", "fit_hypothesis"]
 
 Matrix = NDArray[np.floating[Any]]
 
@@ -102,6 +102,12 @@ class Stack:
             tuple(w.noise for w in whitened),
         )
 
+    def each(self) -> Iterator["Stack"]:
+        """Each noise by itself."""
+        for at, noise in enumerate(self.noises):
+            own = slice(at, at + 1)
+            yield Stack(self.products[own], self.log_weight[own], self.degrees, (noise,))
+
     def only(self, noises: NDArray[np.bool_]) -> "Stack":
         """Keep some noises."""
         if noises.all():
@@ -163,12 +169,6 @@ class HypothesisFit(NamedTuple):
         return self.log_evidence + (math.log(prior) if prior > 0.0 else -math.inf)
 
 
-def form(variant: Variant, cause: int | None = 0) -> _core.Form:
-    """Describe a variant to the core; an unexplained term has no cause."""
-    offsets = [] if variant.offset is None else [variant.offset]
-    return _core.Form(cause, offsets, variant.free, variant.bounds, variant.weight)
-
-
 def fit_hypothesis(hypothesis: Hypothesis, stack: Stack, *, one_width: bool = False) -> HypothesisFit:
     """Average the likelihood over noises, sizes and the unknown variance of the noise.
 
@@ -200,17 +200,7 @@ def fit_hypotheses(
     hypotheses: Sequence[Hypothesis], stack: Stack, *, one_width: bool = False
 ) -> list[HypothesisFit]:
     """Fit several hypotheses, each by itself, on several threads."""
-    forms = [[form(variant) for variant in hypothesis.variants] for hypothesis in hypotheses]
+    forms = [[variant.form for variant in hypothesis.variants] for hypothesis in hypotheses]
     given = stack.products, stack.log_weight, stack.degrees, VARIANCE_FLOOR**2
     found = _core.fit_hypotheses(*given, forms, one_width)
     return [HypothesisFit.of(hypothesis, fit) for hypothesis, fit in zip(hypotheses, found, strict=True)]
-
-
-def fit_to_blocks(
-    hypothesis: Hypothesis, sums: Sums, noise: Noise, blocks: NDArray[np.bool_]
-) -> HypothesisFit:
-    """Fit a hypothesis to some blocks under one noise; only its columns are whitened."""
-    forms = [form(variant) for variant in hypothesis.variants]
-    given = sums.model(noise), blocks.tolist(), sums.degrees(blocks), VARIANCE_FLOOR**2
-    (found,) = sums.products.fit(*given, [forms], False)
-    return HypothesisFit.of(hypothesis, found)

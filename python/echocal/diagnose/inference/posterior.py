@@ -6,9 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from echocal import _core
-from echocal.diagnose.candidates.variant import UNKNOWN, Candidates
+from echocal.diagnose.candidates.variant import Candidates
 from echocal.diagnose.inference.case import Case
-from echocal.diagnose.inference.hypothesis import Hypothesis, HypothesisFit, Stack, form
+from echocal.diagnose.inference.hypothesis import Hypothesis, HypothesisFit, Stack
 from echocal.diagnose.inference.noise import VARIANCE_FLOOR
 from echocal.diagnose.settings import PriorSettings, Settings
 
@@ -79,14 +79,12 @@ def posterior(
     Stack
         Products under the noise models that some hypothesis makes probable.
     """
-    order = {cause: i for i, cause in enumerate(dict.fromkeys(v.cause for v in found.variants))}
-    forms = [form(v, None if v.cause == UNKNOWN else order[v.cause]) for v in found.variants]
     found_by_core = _core.posterior(
         stack.products,
         stack.log_weight,
         stack.degrees,
         VARIANCE_FLOOR**2,
-        forms,
+        [variant.form for variant in found.variants],
         core_prior(settings.priors),
         _core.SearchOptions(PRUNED, UNDECIDED, unlisted),
     )

@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import gammaln, logsumexp
 
+from echocal import _core
 from echocal.diagnose.candidates.variant import Variant
-from echocal.diagnose.inference.averaged_out import averaged_out
 from echocal.diagnose.inference.case import Case
 from echocal.diagnose.inference.examine import examine
 from echocal.diagnose.inference.hypothesis import Hypothesis, HypothesisFit, Stack, fit_hypothesis
@@ -167,9 +167,11 @@ class _Tried:
         """Products of some columns, or of all, whose rows have these steps: Eq. 41."""
         own = [self.case.found.steps[place] for place in steps]
         last = self.products.shape[-1] - 1
-        kept = np.arange(last + 1) if columns is None else np.array([0, *columns, last])
-        log_weight = self.log_weight + self._log_prior(steps)
-        products, log_weight = averaged_out(self.products, log_weight, own, self.variance, kept)
+        kept = range(last + 1) if columns is None else [0, *columns, last]
+        noises = len(self.products)
+        variance = np.full(noises, self.variance)
+        products, more = _core.averaged_out(self.products, own, kept, range(noises), variance)
+        log_weight = self.log_weight + self._log_prior(steps) + more
         return Stack(products, log_weight, self.degrees, self.case.noises)
 
     def _log_prior(self, steps: Set) -> float:

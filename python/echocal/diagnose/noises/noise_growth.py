@@ -4,9 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from echocal import _core
 from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
 from echocal.diagnose.noises.common.kinds import FittedNoise
-from echocal.diagnose.noises.common.trace import KERNELS, Likelihood, Trace, log_density, scale_of
+from echocal.diagnose.noises.common.trace import KERNELS, Likelihood, Trace
 from echocal.diagnose.settings.noises import NoiseSettings
 from echocal.diagnose.settings.threshold import threshold
 
@@ -65,9 +66,8 @@ def fit(trace: Trace, settings: NoiseSettings) -> Likelihood | None:
     # an innovation depends on the row before, too: successive rows have nearly the same distance
     wide = 1 + np.outer(_GROWTH, distance)
     level, widening = trace.innovation / wide, np.log(wide).sum(axis=1)
-    scales = np.stack([np.maximum(scale_of(level, freedom), trace.rounding) for freedom in KERNELS])
-    each = zip(scales, KERNELS, strict=True)
-    logs = np.stack([log_density(level, s[:, None], freedom).sum(axis=1) - widening for s, freedom in each])
+    scales, logs = _core.fitted_densities(level, KERNELS, trace.rounding)
+    logs -= widening
     profile = np.logaddexp.reduce(logs, axis=0) - np.log(len(KERNELS))
     best = int(profile.argmax())
     share = np.exp(profile - profile[best])

@@ -29,10 +29,12 @@ def doubts_about(case: Case, claim: Claim) -> Iterator[str]:
             f"all rows are of one session of {span / 60:.0f} min. Air that is warmer or colder than the "
             f"thermometer for as long looks like {claim.cause}. To see what lasts, measure in another session"
         )
+    if not table.stated_speed.replace(".", "", 1).isdigit():
+        return
     signal = case.signal(claim.variant, claim.mean)
     part = float(signal @ table.reference / (table.reference @ table.reference))
     scales = np.abs(signal - part * table.reference).max() < _APART * np.abs(signal).max()
-    if scales and table.stated_speed.replace(".", "", 1).isdigit():
+    if scales:
         speed = float(table.stated_speed) * (1.0 + part)
         yield (
             f"readings of a device that converts with {speed:.1f} m/s, and not with the stated "

@@ -1,7 +1,9 @@
 """What became of each row of the source."""
 
+from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -39,17 +41,16 @@ class Fates:
             fate[held.rows.row] = HELD_OUT_ROW
         return cls(fate)
 
-    @property
+    @cached_property
     def counts(self) -> Mapping[str, int]:
         """Rows that are left out, by reason."""
-        reasons, counts = np.unique(self.fate.astype(str), return_counts=True)
-        found = dict(zip(reasons.tolist(), counts.tolist(), strict=True))
-        return {reason: n for reason, n in found.items() if reason not in (USED, HELD_OUT_ROW)}
+        others = Counter(self.fate[self.fate != USED].tolist())
+        return {reason: count for reason, count in sorted(others.items()) if reason != HELD_OUT_ROW}
 
     @property
     def used(self) -> int:
         """Number of rows that causes are chosen on or judged by."""
-        return int(np.isin(self.fate.astype(str), (USED, HELD_OUT_ROW)).sum())
+        return len(self.fate) - sum(self.counts.values())
 
     def columns(self, row: NDArray[np.int64], **values: NDArray[Any]) -> dict[str, NDArray[Any]]:
         """Number and fate of every row of the source, and values of some, NaN for the others."""

@@ -36,9 +36,9 @@ def outlier_rules(
     model : Model
         Of the diagnosis.
     """
-    used, off = fates.fate == USED, np.isin(fates.fate.astype(str), _OUTLIERS)
-    if not off.any():
+    if fates.counts.keys().isdisjoint(_OUTLIERS):
         return []
+    used, off = fates.fate == USED, np.isin(fates.fate.astype(str), _OUTLIERS)
     distance = corrected_distance(observations, model)
     compared = (
         {"": distance} if reference is None else {"reference_distance": distance - reference, "": distance}

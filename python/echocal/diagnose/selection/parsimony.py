@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from echocal import _core
-from echocal.diagnose.candidates.variant import UNKNOWN
-from echocal.diagnose.inference.hypothesis import HypothesisFit, form
+from echocal.diagnose.candidates.variant import UNKNOWN, number_of
+from echocal.diagnose.inference.hypothesis import HypothesisFit
 from echocal.diagnose.inference.posterior import core_prior
 from echocal.diagnose.settings import PriorSettings
 
@@ -43,19 +43,17 @@ def probabilities(
     dict of tuple of str to float
         Probability of each set by its sorted ids, most probable first; the sum is one.
     """
-    ids = sorted({cause for fit in fits for cause in fit.hypothesis.causes} - {UNKNOWN})
-    number = {id_: at for at, id_ in enumerate(ids)}
-    variants = {id(variant): variant for fit in fits for variant in fit.hypothesis.variants}
-    forms = {key: form(variant, number.get(variant.cause)) for key, variant in variants.items()}
+    ids = {id_ for fit in fits for id_ in fit.hypothesis.causes}
+    causes_of = {number_of(id_): id_ for id_ in ids}
     ranking = _core.rank(
-        [[forms[id(variant)] for variant in fit.hypothesis.variants] for fit in fits],
+        [[variant.form for variant in fit.hypothesis.variants] for fit in fits],
         np.array([fit.log_posterior for fit in fits]),
         [fit.covariance for fit in fits],
         causes,
         core_prior(priors),
     )
     sets = {
-        tuple(sorted(UNKNOWN if cause is None else ids[cause] for cause in causes)): p
+        tuple(sorted(UNKNOWN if cause is None else causes_of[cause] for cause in causes)): p
         for causes, p in ranking.sets
     }
     return ranking.probability, sets

@@ -50,8 +50,8 @@ class ClaimSettings:
     separable: float = threshold(
         3.0,
         "expected log odds",
-        "below it two causes are in one class; argument: odds of 20, as for `confirmed`. On 110 tables of the "
-        "virtual bench, 1.0 names 3 single causes and a pair less, 3 confident wrong names more",
+        "below it two causes are in one class; argument: odds of 20, as for `confirmed`. On 110 tables of "
+        "the virtual bench, 1.0 names 3 single causes and a pair less, 3 confident wrong names more",
     )
     plausible_size: float = threshold(
         9.0,

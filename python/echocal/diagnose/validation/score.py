@@ -66,20 +66,19 @@ def score(
         That of each fold, known from the rows that it does not hold out.
     """
     judged = with_cause.known & without.known
-    gained, squares = [], []
+    every, gained, square = np.arange(len(judged)), np.zeros(len(judged)), 0.0
+    compared = np.zeros(len(judged), dtype=bool)
     for held, noise in zip(folds.held, noises, strict=True):
-        rows = np.flatnonzero(judged & held[folds.blocks])
+        rows = every[folds.rows(held)]
+        rows = rows[judged[rows]]
         if not len(rows):
             continue
         whitening = _Whitening.of(order, rows, noise, _known_levels(order, folds, held, noise))
         own, other = (whitening.squares(one.error[rows]) for one in (with_cause, without))
-        gained.append((rows, other - own))
-        squares.append(own)
-    if not gained:
-        return Score(np.zeros(0))
-    variance = max(float(np.mean(np.concatenate(squares))), VARIANCE_FLOOR**2)
-    rows = np.concatenate([part for part, _ in gained])
-    return Score(np.concatenate([part for _, part in gained])[np.argsort(rows)] / (2.0 * variance))
+        gained[rows], compared[rows] = other - own, True
+        square += float(own.sum())
+    variance = max(square / max(int(compared.sum()), 1), VARIANCE_FLOOR**2)
+    return Score(gained[compared] / (2.0 * variance))
 
 
 def _known_levels(order: Order, folds: Folds, held: Mask, noise: Noise) -> Column | None:
@@ -88,13 +87,15 @@ def _known_levels(order: Order, folds: Folds, held: Mask, noise: Noise) -> Colum
     That of the rows that the fold does not hold out, where the level is unknown; that of the prior, where
     stations err; None where they do not.
     """
+    if not order.flat_level and noise.station_ratio == 0.0:
+        return None
     groups = int(order.groups.max()) + 1
     if not order.flat_level:
-        return np.full(groups, 1.0 / noise.station_ratio) if noise.station_ratio > 0.0 else None
+        return np.full(groups, 1.0 / noise.station_ratio)
     seen = np.flatnonzero((folds.fit & ~held)[folds.blocks])
     if not len(seen):
         return np.zeros(groups)
-    level = _white(np.ones(len(seen)), order.at(seen), noise)
+    level = _white(np.ones(len(seen)), _followed(order, seen, noise), noise)
     return np.asarray(np.bincount(order.groups[seen], level**2, minlength=groups), dtype=np.float64)
 
 
@@ -104,48 +105,56 @@ class _Whitening:
 
     Attributes
     ----------
-    order : Order
-        Of these rows.
+    order : Order or None
+        Of these rows; None for white noise.
     noise : Noise
+    groups : ndarray of int, or None
+        Group of each of these rows; None where no group has a level.
     level : ndarray, or None
-        A constant, whitened; None where no group has a level.
+        A constant, whitened.
     before, own : ndarray, or None
         Information on the level of each group: before these rows are seen, and of these rows.
     """
 
-    order: Order
+    order: Order | None
     noise: Noise
-    level: Column | None
+    groups: Labels | None = None
+    level: Column | None = None
     before: Column | None = None
     own: Column | None = None
 
     @classmethod
     def of(cls, order: Order, rows: Labels, noise: Noise, before: Column | None) -> "_Whitening":
-        own = order.at(rows)
+        followed = _followed(order, rows, noise)
         if before is None:
-            return cls(own, noise, None)
-        level = _white(np.ones(len(rows)), own, noise)
-        known = np.bincount(own.groups, level**2, minlength=len(before))
-        return cls(own, noise, level, before, np.asarray(known, dtype=np.float64))
+            return cls(followed, noise)
+        level, groups = _white(np.ones(len(rows)), followed, noise), order.groups[rows]
+        known = np.bincount(groups, level**2, minlength=len(before))
+        return cls(followed, noise, groups, level, before, np.asarray(known, dtype=np.float64))
 
     def squares(self, error: Column) -> Column:
         """What each row adds to the whitened sum of squares [m^2], levels averaged out.
 
         The rows of a group share what its level adds, which is its square times the information before.
         """
-        white = _white(error, self.order, self.noise)
-        if self.level is None or self.before is None or self.own is None:
+        white, groups = _white(error, self.order, self.noise), self.groups
+        if groups is None or self.level is None or self.before is None or self.own is None:
             return white**2
-        groups, present = self.order.groups, self.own > 0.0
+        present = self.own > 0.0
         along = np.bincount(groups, self.level * white, minlength=len(self.own))
         levels = np.divide(along, self.before + self.own, out=np.zeros_like(along), where=present)
         shared = np.divide(self.before * levels**2, self.own, out=np.zeros_like(along), where=present)
         return np.asarray((white - self.level * levels[groups]) ** 2 + shared[groups] * self.level**2)
 
 
-def _white(values: Column, order: Order, noise: Noise) -> Column:
+def _followed(order: Order, rows: Labels, noise: Noise) -> Order | None:
+    """Which of some rows follow each other; None where that does not matter."""
+    return None if noise.correlation is WHITE else order.at(rows)
+
+
+def _white(values: Column, order: Order | None, noise: Noise) -> Column:
     """Innovations of a column: docs/method.md, Eq. 3 and 4."""
-    if noise.correlation is WHITE:
+    if order is None:
         return values
     given = np.ascontiguousarray(values), order.starts, order.distance
     white, _ = _core.whitened(noise.correlation, noise.rho, noise.first_weight, *given)

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from echocal.diagnose.inference.case import Case
-from echocal.diagnose.inference.hypothesis import Hypothesis, HypothesisFit, fit_hypothesis, fit_to_blocks
+from echocal.diagnose.inference.hypothesis import Hypothesis, HypothesisFit, fit_hypothesis
 from echocal.diagnose.inference.noise import Noise
 from echocal.diagnose.preprocess.table import Table
 from echocal.diagnose.selection.claims import Claim, columns_of, effects_of
@@ -84,9 +84,5 @@ def fit_with(case: Case, hypothesis: Hypothesis, blocks: Mask, noise: Noise) -> 
     """
     key = noise, blocks.tobytes(), hypothesis.key
     if key not in case.fits:
-        case.fits[key] = (
-            fit_hypothesis(hypothesis, case.whitened(noise, blocks))
-            if noise.slow_air
-            else fit_to_blocks(hypothesis, case.sums, noise, blocks)
-        )
+        case.fits[key] = fit_hypothesis(hypothesis, case.whitened(noise, blocks))
     return case.fits[key]._replace(hypothesis=hypothesis)

@@ -53,21 +53,30 @@ def first_crossing(received: Received, start: Column, cycles: int, comparator: C
     while len(rows):
         at = above[rows].argmax(axis=1)
         crest = _crest(ends[rows, at], phasors[rows, at], phasors[rows, at + 1], omega)
-        times = crest[:, None] + np.linspace(-np.pi / omega, 0.0, _PIECES + 1)
-        times, here = np.maximum(times, start[rows, None]), received.at(rows)
-        crossed = _lasting(_between(times, here.phasor(times), omega, comparator), here, comparator)
-        found[rows] = crossed
+        found[rows] = _rising(crest, ends[rows, at], start[rows], received.at(rows), comparator)
         above[rows, at] = False
-        rows = rows[np.isnan(crossed) & above[rows].any(axis=1)]
+        rows = rows[np.isnan(found[rows]) & above[rows].any(axis=1)]
+    # The crest of a voltage that is above the threshold at the end may come after the end.
+    rows = np.flatnonzero(np.isnan(found) & (turned[:, -1].real > comparator.at(ends[:, -1])))
+    found[rows] = _rising(ends[rows, -1], ends[rows, -2], start[rows], received.at(rows), comparator)
     return _stepped(found, ends[:, 0], ends[:, -1], received, comparator) + comparator.response_time
 
 
 def _lasting(found: Column, received: Received, comparator: Comparator) -> Column:
-    """Those crossings after which the voltage stays above the threshold until the output has answered."""
+    """Those crossings after which the voltage stays above the threshold until the output has answered.
+
+    A crest that is above a steady threshold at two times is above it between them. Where the threshold steps
+    between them, the crest must be above it on both sides of the step.
+    """
     rows = np.flatnonzero(~np.isnan(found))
     if len(rows) and comparator.response_time:
-        later = found[rows] + comparator.response_time
-        stays = received.at(rows).voltage(later) > comparator.at(later)
+        here, since = received.at(rows), found[rows]
+        later = since + comparator.response_time
+        stays = here.voltage(later) > comparator.at(later)
+        for until, _ in comparator.steps:
+            threshold = comparator.at(np.array([np.nextafter(until, 0.0), until])).max()
+            above = here.voltage(np.full(len(rows), until)) > threshold
+            stays &= above | (until <= since) | (later < until)
         found[rows[~stays]] = np.nan
     return found
 
@@ -110,6 +119,18 @@ def _crest(time: Column, first: Phasor, last: Phasor, omega: float) -> Column:
         phasor = first + slope * (found - time) - lead
         found = found - np.angle(phasor * np.exp(1j * omega * found)) / omega
     return np.asarray(found)
+
+
+def _rising(top: Column, bend: Column, start: Column, received: Received, comparator: Comparator) -> Column:
+    """Crossings that last, in the half period up to a top, shape (n,); NaN where there is none.
+
+    The slope of the noise changes at a bend: no piece goes across it.
+    """
+    omega = 2 * np.pi * received.response.frequency
+    times = top[:, None] + np.linspace(-np.pi / omega, 0.0, _PIECES + 1)
+    times = np.sort(np.column_stack([times, np.minimum(bend, top)]))
+    times = np.maximum(times, start[:, None])
+    return _lasting(_between(times, received.phasor(times), omega, comparator), received, comparator)
 
 
 def _between(times: Column, phasors: Phasor, omega: float, comparator: Comparator) -> Column:

@@ -1,21 +1,40 @@
 //! Small symmetric positive definite systems.
 #![allow(clippy::suboptimal_flops)] // without FMA every fused product is a call
 
+/// Columns that are taken off the rest of a matrix at once.
+const PANEL: usize = 4;
+
 /// Lower triangle of a matrix of `order`, row by row, factored in place: `L` with `L L' = A`.
 ///
 /// `added` was added to the diagonal of a matrix without negative eigenvalues, so no pivot squared
 /// can be smaller; rounding would make it so where columns are nearly the same.
 #[inline(always)]
 pub(crate) fn factor(matrix: &mut [f64], order: usize, added: &[f64]) {
-    for i in 0..order {
-        for j in 0..=i {
-            let sum =
-                matrix[i * order + j] - dot(&matrix[i * order..][..j], &matrix[j * order..][..j]);
-            matrix[i * order + j] = if i == j {
-                sum.max(added[i]).sqrt()
-            } else {
-                sum / matrix[j * order + j]
-            };
+    let mut columns = [(); PANEL].map(|()| vec![0.0; order]);
+    for first in (0..order).step_by(PANEL) {
+        let end = order.min(first + PANEL);
+        for i in first..order {
+            for j in first..end.min(i + 1) {
+                let mut sum = matrix[i * order + j];
+                for column in &columns[..j - first] {
+                    sum -= column[i] * column[j];
+                }
+                columns[j - first][i] = if i == j {
+                    sum.max(added[i]).sqrt()
+                } else {
+                    sum / columns[j - first][j]
+                };
+                matrix[i * order + j] = columns[j - first][i];
+            }
+        }
+        for i in end..order {
+            let factors = columns.each_ref().map(|column| column[i]);
+            let [a, b, c, d] = columns.each_ref().map(|column| &column[end..=i]);
+            let line = &mut matrix[i * order + end..=i * order + i];
+            for (at, number) in line.iter_mut().enumerate() {
+                *number -= (factors[0] * a[at] + factors[1] * b[at])
+                    + (factors[2] * c[at] + factors[3] * d[at]);
+            }
         }
     }
 }
@@ -47,11 +66,12 @@ pub(crate) fn forward(lower: &[f64], order: usize, b: &mut [f64]) {
 #[inline(always)]
 pub(crate) fn backward(lower: &[f64], order: usize, b: &mut [f64]) {
     for i in (0..order).rev() {
-        let mut sum = b[i];
-        for k in i + 1..order {
-            sum -= lower[k * order + i] * b[k];
+        let line = &lower[i * order..][..=i];
+        let found = b[i] / line[i];
+        b[i] = found;
+        for (number, factor) in b[..i].iter_mut().zip(line) {
+            *number -= factor * found;
         }
-        b[i] = sum / lower[i * order + i];
     }
 }
 
@@ -71,6 +91,25 @@ mod tests {
             backward(&matrix, 3, &mut found);
             for (found, right) in found.iter().zip(right) {
                 assert!((found - right).abs() < 1e-15);
+            }
+        }
+    }
+
+    #[test]
+    fn a_factor_of_any_order_times_itself_is_the_matrix() {
+        for order in 1..12 {
+            let number = |i: usize, j: usize| ((i * 5 + j * 3) as f64 * 0.37).sin();
+            let product = |i, j| (0..40).map(|k| number(i, k) * number(j, k)).sum::<f64>();
+            let matrix: Vec<f64> = (0..order * order)
+                .map(|at| product(at / order, at % order) + f64::from(at % (order + 1) == 0))
+                .collect();
+            let mut lower = matrix.clone();
+            factor(&mut lower, order, &vec![0.0; order]);
+            for i in 0..order {
+                for j in 0..=i {
+                    let found = dot(&lower[i * order..][..=j], &lower[j * order..][..=j]);
+                    assert!((found - matrix[i * order + j]).abs() < 1e-12);
+                }
             }
         }
     }

@@ -54,6 +54,33 @@ pub fn ridge_coefficients(
     ridge.solved
 }
 
+/// Mean square that the columns between the first and the last leave of the last, for each of some
+/// matrices of products.
+///
+/// A ridge of some prior standard deviations, beside the mean square of the last column.
+///
+/// # Panics
+/// If there are fewer than two columns.
+#[must_use]
+pub fn mean_squares_left(
+    products: &[f64],
+    width: usize,
+    degrees: f64,
+    variance_floor: f64,
+    ridge_width: f64,
+) -> Vec<f64> {
+    let mut ridge = Ridge::default();
+    let left = |own: &[f64]| {
+        ridge.take(own, width);
+        let order = ridge.along.len();
+        let size: f64 = (0..order).map(|i| ridge.among[i * order + i]).sum();
+        let variance = (ridge.square / degrees).max(variance_floor);
+        let left = ridge.leave((variance / (ridge_width * ridge_width)).max(ROUNDING * size));
+        (left / degrees).max(variance_floor)
+    };
+    products.chunks_exact(width * width).map(left).collect()
+}
+
 /// Products of columns with each other and with what they explain, and memory.
 #[derive(Default)]
 struct Ridge {
@@ -66,18 +93,21 @@ struct Ridge {
 
 impl Ridge {
     fn of(products: &[f64], width: usize) -> Self {
+        let mut ridge = Self::default();
+        ridge.take(products, width);
+        ridge
+    }
+
+    fn take(&mut self, products: &[f64], width: usize) {
         assert!(width >= 2 && products.len() == width * width);
         let order = width - 2;
-        let line = |row: usize| &products[(1 + row) * width + 1..][..order + 1];
-        Self {
-            among: (0..order)
-                .flat_map(|row| &line(row)[..order])
-                .copied()
-                .collect(),
-            along: (0..order).map(|row| line(row)[order]).collect(),
-            square: line(order)[order],
-            ..Self::default()
+        self.among.clear();
+        self.along.clear();
+        for line in products[width..].chunks_exact(width).take(order) {
+            self.among.extend_from_slice(&line[1..=order]);
+            self.along.push(line[order + 1]);
         }
+        self.square = products[width * width - 1];
     }
 
     on_widest! {
@@ -85,8 +115,20 @@ impl Ridge {
         round round_avx2 round_avx512 rounded (degrees: f64, ridge: f64) -> f64
     }
 
+    on_widest! {
+        /// Sum of squares that a ridge leaves; finds the coefficients.
+        leave leave_avx2 leave_avx512 left (ridge: f64) -> f64
+    }
+
     #[inline(always)]
     fn rounded(&mut self, degrees: f64, ridge: f64) -> f64 {
+        let (left, order) = (self.left(ridge), self.along.len());
+        let used = order as f64 - ridge * inverse_trace(&self.lower, order);
+        left.max(ROUNDING * self.square) / (degrees - used).max(1.0)
+    }
+
+    #[inline(always)]
+    fn left(&mut self, ridge: f64) -> f64 {
         let (order, lower, solved) = (self.along.len(), &mut self.lower, &mut self.solved);
         lower.clone_from(&self.among);
         for i in 0..order {
@@ -97,9 +139,7 @@ impl Ridge {
         forward(lower, order, solved);
         let explained = squares(solved);
         backward(lower, order, solved);
-        let left = self.square - explained - ridge * squares(solved);
-        let used = order as f64 - ridge * inverse_trace(lower, order);
-        left.max(ROUNDING * self.square) / (degrees - used).max(1.0)
+        self.square - explained - ridge * squares(solved)
     }
 }
 
@@ -141,6 +181,10 @@ mod tests {
         };
         assert!((ridge(9.0) - first).abs() < 1e-15);
         assert!((found - ridge(ridge(first))).abs() < 1e-15);
+        let mean = mean_squares_left(&products, 3, 8.0, 1e-18, 3.0)[0];
+        let added = 10.0 / 8.0 / 9.0;
+        let left = 10.0 - 4.0 / (4.0 + added) - added * (2.0_f64 / (4.0 + added)).powi(2);
+        assert!((mean - left / 8.0).abs() < 1e-15);
         let found = ridge_coefficients(&products, 3, 8.0, 1e-18, 3.0);
         assert!((found[0] - 2.0 / (4.0 + 10.0 / 8.0 / 9.0)).abs() < 1e-15);
     }

@@ -8,30 +8,18 @@ from numpy.typing import NDArray
 
 from echocal import _core
 
-__all__ = ["KERNELS", "Likelihood", "Trace", "group_medians", "log_density", "scale_of"]
+__all__ = ["KERNELS", "Likelihood", "Trace", "group_medians", "log_density"]
 
 Column = NDArray[np.float64]
 
 KERNELS = (np.inf, 8.0, 4.0, 2.5)
 """Degrees of freedom of the noise below everything: normal, and heavier tails."""
 
-_ROUNDS = 8  # of the fixed point for a scale
-
 
 def log_density(values: Column, scale: Column | float, freedom: float) -> Column:
     """Log density of Student's t, or of the normal distribution for infinite degrees of freedom."""
     unit = values / scale
     return np.asarray(_core.log_density(unit.ravel(), freedom).reshape(unit.shape) - np.log(scale))
-
-
-def scale_of(values: Column, freedom: float) -> Column:
-    """Scale of greatest likelihood, along the last axis."""
-    square = values**2
-    scale = np.sqrt(square.mean(axis=-1, keepdims=True)) + 1e-12
-    for _ in range(0 if np.isinf(freedom) else _ROUNDS):
-        weight = (freedom + 1) / (freedom + square / scale**2)
-        scale = np.sqrt((weight * square).mean(axis=-1, keepdims=True)) + 1e-12
-    return np.asarray(scale[..., 0])
 
 
 @dataclass(frozen=True)
@@ -125,7 +113,5 @@ def group_medians(values: Column, groups: NDArray[np.int64]) -> Column:
 
 
 def _averaged(values: Column, least: float) -> float:
-    scales = [np.asarray(np.maximum(scale_of(values, freedom), least)) for freedom in KERNELS]
-    each = zip(scales, KERNELS, strict=True)
-    logs = [log_density(values, scale, freedom).sum() for scale, freedom in each]
-    return float(np.logaddexp.reduce(logs) - np.log(len(KERNELS)))
+    _, logs = _core.fitted_densities(values[None], KERNELS, least)
+    return float(np.logaddexp.reduce(logs[:, 0]) - np.log(len(KERNELS)))
