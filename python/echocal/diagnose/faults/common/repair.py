@@ -38,19 +38,25 @@ def with_values(view: View, rows: Mask, reason: str, **changed: Column | None) -
             longer = view.base.indication(two, data.conditions) / view.base.indication(two, conditions)
             longer *= held["reading"] / data.reading
         held["echo_time"] = np.where(rows & np.isfinite(longer), longer, 1.0) * data.echo_time
-    unusable = data.unusable.astype(object)
-    back = rows & np.isin(unusable, [why for name in changed for why in _reasons(data, name)])
-    unusable[back] = ""
+    marked = np.flatnonzero(rows & (data.unusable != ""))
+    back = marked[np.isin(data.unusable[marked], [why for name in changed for why in _reasons(data, name)])]
+    still, odd = np.full(len(back), "", dtype=object), np.zeros(len(rows), dtype=bool)
     for name, column in {**held, **_recorded(conditions)}.items():
         if column is None or (name == "echo_time" and data.reading is not None):
             continue
         low, high = _PHYSICAL.get(name, (-np.inf, np.inf))
-        impossible = (column < low) | (column > high)
-        for why, wrong in zip(_reasons(data, name), (np.isnan(column), impossible), strict=True):
-            unusable[back & wrong & (unusable == "")] = why
+        own = column[back]
+        for why, wrong in zip(_reasons(data, name), (np.isnan(own), (own < low) | (own > high)), strict=True):
+            still[wrong & (still == "")] = why
         if name in new:
-            unusable[rows & impossible & (unusable == "")] = reason
-    return replace(data, **held, conditions=conditions, unusable=unusable.astype(str))
+            odd |= (column < low) | (column > high)
+    unusable = data.unusable
+    if len(back) or (odd & rows).any():
+        said = unusable.astype(object)
+        said[back] = still
+        said[rows & odd & (said == "")] = reason
+        unusable = said.astype(str)
+    return replace(data, **held, conditions=conditions, unusable=unusable)
 
 
 def divided(view: View, rows: Mask, reason: str, factor: float) -> Observations:
