@@ -67,8 +67,8 @@ def test_with_the_glance_and_without(spoil: Callable[[Table], None]) -> None:
 
     def findings() -> list[tuple[str, float] | None]:
         view = View(data, Base.of("linear"), None, True)
-        found = (fault.detect(view, FaultSettings()) for fault in FAULTS)
-        return [f and (f.because, f.log_bayes) for f in found]
+        found = (fault.search(view, FaultSettings()) for fault in FAULTS)
+        return [(f.because, f.log_bayes) if f and f.log_bayes > 0.0 else None for f in found]
 
     glanced = findings()
     far, wide = PropertyMock(return_value=np.inf), PropertyMock(return_value=(0.0, np.inf))

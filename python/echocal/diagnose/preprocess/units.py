@@ -18,12 +18,11 @@ Labels = NDArray[np.int64]
 
 
 def joined(table: Table, period: Column, settings: RowSettings) -> Table:
-    """Join the rows of each visit where the air hardly changes in it: docs/method.md, Eq. 1a.
+    """Join the rows of each visit where little changes in it: docs/method.md, Eq. 1a.
 
     What the rows of a visit share (the tape, the tilt of the target, the air on the way) does not average
-    out over them. So they tell no more about a cause than their mean does, unless the temperature changes
-    during the visit by more than a row scatters, or another recorded quantity, as an angle or a supply
-    voltage, varies more inside of visits than between them.
+    out over them. So they tell no more about a cause than their mean does, unless the temperature or another
+    recorded quantity, as an angle or a supply voltage, varies more inside of visits than between them.
 
     Parameters
     ----------
@@ -49,14 +48,9 @@ def joined(table: Table, period: Column, settings: RowSettings) -> Table:
     def mean(column: Column) -> Column:
         return np.asarray(np.bincount(visit, column) / count)
 
-    temperature = table.conditions.get("temperature")
-    if temperature is not None:
-        warming = settings.per_kelvin * table.reference * (temperature - mean(temperature)[visit])
-        if float(np.mean(warming**2)) > mixture.scatter**2:
-            return table
     for name, column in table.conditions.items():
-        of_device = name not in AIR and QUANTITIES[name].derived_from is None
-        if of_device and float(np.mean((column - mean(column)[visit]) ** 2)) > 0.5 * float(np.var(column)):
+        said = name == "temperature" or (name not in AIR and QUANTITIES[name].derived_from is None)
+        if said and float(np.mean((column - mean(column)[visit]) ** 2)) > 0.5 * float(np.var(column)):
             return table
     first = np.unique(visit, return_index=True)[1]
     groups = np.unique(table.groups[first], return_inverse=True)[1].astype(np.int64)
