@@ -18,11 +18,12 @@ Labels = NDArray[np.int64]
 
 
 def joined(table: Table, period: Column, settings: RowSettings) -> Table:
-    """Join the rows of each visit where little changes in it: docs/method.md, Eq. 1a.
+    """Join the rows of each visit where the air hardly changes in it: docs/method.md, Eq. 1a.
 
     What the rows of a visit share (the tape, the tilt of the target, the air on the way) does not average
-    out over them. So they tell no more about a cause than their mean does, unless the temperature or another
-    recorded quantity, as an angle or a supply voltage, varies more inside of visits than between them.
+    out over them. So they tell no more about a cause than their mean does, unless the temperature changes
+    during the visit by more than a row scatters, or another recorded quantity, as an angle or a supply
+    voltage, varies more inside of visits than between them. The noise of the thermometer is no change.
 
     Parameters
     ----------
@@ -48,9 +49,15 @@ def joined(table: Table, period: Column, settings: RowSettings) -> Table:
     def mean(column: Column) -> Column:
         return np.asarray(np.bincount(visit, column) / count)
 
+    temperature = table.conditions.get("temperature")
+    if temperature is not None:
+        off, steps = temperature - mean(temperature)[visit], np.diff(temperature)[np.diff(visit) == 0]
+        warming = table.reference**2 * (off**2 - 0.5 * np.mean(steps**2))  # less the noise of the thermometer
+        if settings.per_kelvin**2 * float(np.mean(warming)) > mixture.scatter**2:
+            return table
     for name, column in table.conditions.items():
-        said = name == "temperature" or (name not in AIR and QUANTITIES[name].derived_from is None)
-        if said and float(np.mean((column - mean(column)[visit]) ** 2)) > 0.5 * float(np.var(column)):
+        of_device = name not in AIR and QUANTITIES[name].derived_from is None
+        if of_device and float(np.mean((column - mean(column)[visit]) ** 2)) > 0.5 * float(np.var(column)):
             return table
     first = np.unique(visit, return_index=True)[1]
     groups = np.unique(table.groups[first], return_inverse=True)[1].astype(np.int64)
