@@ -22,8 +22,8 @@ def joined(table: Table, period: Column, settings: RowSettings) -> Table:
 
     What the rows of a visit share (the tape, the tilt of the target, the air on the way) does not average
     out over them. So they tell no more about a cause than their mean does, unless the temperature changes
-    during the visit by more than a row scatters, or another recorded quantity, as an angle or a supply
-    voltage, varies more inside of visits than between them. The noise of the thermometer is no change.
+    during the visit by more than a row scatters, or unless it or another recorded quantity, as an angle or a
+    supply voltage, varies more inside of visits than between them. The noise of the thermometer is no change.
 
     Parameters
     ----------
@@ -56,8 +56,8 @@ def joined(table: Table, period: Column, settings: RowSettings) -> Table:
         if settings.per_kelvin**2 * float(np.mean(warming)) > mixture.scatter**2:
             return table
     for name, column in table.conditions.items():
-        of_device = name not in AIR and QUANTITIES[name].derived_from is None
-        if of_device and float(np.mean((column - mean(column)[visit]) ** 2)) > 0.5 * float(np.var(column)):
+        asked = name == "temperature" or (name not in AIR and QUANTITIES[name].derived_from is None)
+        if asked and float(np.mean((column - mean(column)[visit]) ** 2)) > 0.5 * float(np.var(column)):
             return table
     first = np.unique(visit, return_index=True)[1]
     groups = np.unique(table.groups[first], return_inverse=True)[1].astype(np.int64)
