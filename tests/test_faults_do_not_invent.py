@@ -275,3 +275,14 @@ def test_rows_that_nobody_asked_for_are_no_failures(how: dict[str, str], random:
         warnings.simplefilter("error", RuntimeWarning)
         diagnosis = echocal.diagnose(table, **how)
     assert "degrading_sensor" not in {cause.id for cause in diagnosis.causes}
+
+
+@pytest.mark.filterwarnings("ignore")
+def test_air_in_any_order_is_not_fahrenheit(random: np.random.Generator) -> None:
+    """Where rows follow each other in any order, one that is warmer than its neighbors says nothing."""
+    for _ in range(10):
+        celsius, distance = random.uniform(0, 40, 300), random.choice([0.5, 1.0, 2.0], 300)
+        reading = distance + random.normal(0, 5e-4, 300)
+        table = {"reading_m": reading, "temperature_C": celsius, "distance_m": distance}
+        causes = echocal.diagnose(table).causes
+        assert "fahrenheit_celsius" not in {cause.id for cause in causes}

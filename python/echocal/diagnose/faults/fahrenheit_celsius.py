@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import binom
 
 from echocal.diagnose.faults.common.fault import Fault, Found
 from echocal.diagnose.faults.common.likelihood import by_echoes
@@ -32,14 +33,14 @@ class Thresholds:
 
     usual: float = threshold(18.0, "degC", "center of the air that people measure in; judgement")
     spread: float = threshold(15.0, "K", "its spread; judgement")
-    back: float = threshold(4.0, "K", "deviation from the neighbors once converted; judgement")
+    back: float = threshold(4.0, "K", "two standard deviations from the neighbors, at least; judgement")
     hottest: float = threshold(
         45.0, "degC", "of air outdoors and in rooms: a column that stays colder is no surprise"
     )
     each: float = threshold(
         6.0,
         "1",
-        "log Bayes factor of one outlier that fits its neighbors as Fahrenheit; judgement",
+        "least log likelihood ratio of a row that fits its neighbors as Fahrenheit; judgement",
     )
 
 
@@ -63,26 +64,27 @@ def celsius(fahrenheit: Column) -> Column:
     return (fahrenheit - 32.0) / 1.8
 
 
-def detect(view: View, own: Thresholds, _: FaultSettings) -> Found | None:
+def detect(view: View, own: Thresholds, settings: FaultSettings) -> Found | None:
     """Ask whether outliers, or else all rows, make sense as Fahrenheit."""
     recorded = view.observations.conditions["temperature"]
     known = np.isfinite(recorded)
     if (known & ~at_power_on(recorded)).sum() < _FEWEST:
         return None
-    rows = _single(recorded, known, own)
-    evidence, why = own.each * float(rows.sum()), listed(rows)
+    rows, evidence = _single(recorded, known, own)
+    why = listed(rows)
     if not rows.any():
         if np.fmax.reduce(recorded) <= own.hottest or abs(np.nanmedian(celsius(recorded))) > own.hottest:
             return None  # no surprise; or no air either way: kelvin, for example
-        rows, why = known, "the whole column"
-        evidence = _whole(recorded[known], own) + by_echoes(view, _converted(view, known), known)
+        rows, why, evidence = known, "the whole column", _whole(recorded[known], own)
+    repaired = _converted(view, rows)
+    evidence = min(evidence, settings.cap) + by_echoes(view, repaired, rows)  # echoes outweigh any neighbors
     low, high = float(recorded[rows].min()), float(recorded[rows].max())
     because = (
         f"{why}: {low:.1f} .. {high:.1f} in a column of degC is, read as Fahrenheit, "
         f"{celsius(np.array(low)):.1f} .. {celsius(np.array(high)):.1f} degC, which fits the air"
         f"{'' if rows is known else ' of the rows around'}; the diagnosis goes on with these"
     )
-    return Found(rows, evidence, because, (rows.sum(),), _converted(view, rows))
+    return Found(rows, evidence, because, (rows.sum(),), repaired)
 
 
 def _whole(recorded: Column, own: Thresholds) -> float:
@@ -94,19 +96,25 @@ def _whole(recorded: Column, own: Thresholds) -> float:
     return float(as_it_is - converted)
 
 
-def _single(recorded: Column, known: Mask, own: Thresholds) -> Mask:
-    """Rows that deviate from their neighbors, and do not once converted."""
+def _single(recorded: Column, known: Mask, own: Thresholds) -> tuple[Mask, float]:
+    """Rows that their neighbors make more probable once converted, and the log Bayes factor of them all.
+
+    Neighbors scatter, or are in any order. Any rows could have been these.
+    """
     rows = np.zeros(len(recorded), dtype=bool)
     at = np.flatnonzero(known & ~at_power_on(recorded))  # 85 degC is a reset, not 29.4 degC
     values = some(recorded, at)
-    if _HALF_WINDOW * np.abs(np.diff(values)).max(initial=0.0) <= 2 * own.back:
-        return rows  # no row can be that far from its neighbors
+    if _HALF_WINDOW * np.abs(np.diff(values)).max(initial=0.0) <= own.back:
+        return rows, 0.0  # no row can be that far from its neighbors
     import pandas as pd  # takes long to import
 
     around = pd.Series(values).rolling(2 * _HALF_WINDOW + 1, center=True, min_periods=3).median().to_numpy()
     off, off_converted = np.abs(values - around), np.abs(celsius(values) - around)
-    rows[at] = (off > 2 * own.back) & (off_converted < own.back)
-    return rows
+    near = max(own.back, 2 * 1.4826 * float(np.median(off)))  # two standard deviations
+    evidence = 2.0 * (off**2 - off_converted**2) / near**2
+    found = (off_converted < near) & (evidence > own.each)
+    rows[at] = found
+    return rows, float(evidence[found].sum() - np.log(binom(len(at), found.sum())))
 
 
 def _converted(view: View, rows: Mask) -> Observations:
