@@ -40,11 +40,12 @@ def ask(spec: Spec) -> Record:
     with warnings.catch_warnings(action="ignore"):
         try:
             diagnosis = echocal.diagnose(case.table)
+            gains = _gains(case, diagnosis.model)
         except Exception as error:  # whatever it is, a user would see it
             said: Record = {"error": f"{type(error).__name__}: {error}"}
         else:
             answer = diagnosis.to_dict()
-            said = {**_judged(case, answer), **_gains(case, diagnosis.model), "reported": _reported(answer)}
+            said = {**_judged(case, answer), **gains, "reported": _reported(answer)}
     return {
         **asdict(spec),
         "rows": len(case.rows),
