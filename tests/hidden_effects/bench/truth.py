@@ -40,7 +40,7 @@ NAMES: dict[str, frozenset[str]] = {
 
 _AIR = frozenset({"dispersion", "correlated_noise", "slow_air", "noise_growth", "timer_quantization"})
 _SHAPE = frozenset({"transducer_spacing"})  # 26 mm of an HC-SR04 are on the bench, and not in the base
-_WALK = frozenset({"amplitude_walk", "fixed_delay", "cycle_slip", "cycle_offset"})
+_WALK = frozenset({"amplitude_walk", "receiver_recovery", "fixed_delay", "cycle_slip", "cycle_offset"})
 _BROUGHT = {
     "mistyped_rows": frozenset(
         {"fixed_speed", "reading_quantization"}

@@ -47,5 +47,5 @@ def select(case: Case, ranking: Ranking, shares: NoisePosterior, reduced: Stack)
     noise, _ = reduced.likeliest(best)
     term = unexplained(case, ranking, slow)
     if term is not None:
-        made = beside_a_term(made, case.found, reduced, term, case.settings.claims)
+        made = beside_a_term(made, case.found, reduced, term)
     return Selection(best, made, noise, term, slow)

@@ -12,7 +12,6 @@ from echocal.diagnose.inference.case import Case
 from echocal.diagnose.inference.hypothesis import Hypothesis, Stack, fit_hypothesis
 from echocal.diagnose.selection.claims import Claim, Ranking, without
 from echocal.diagnose.selection.slow_noise import LeastFavorable
-from echocal.diagnose.settings import ClaimSettings
 
 __all__ = ["beside_a_term", "term_is_told", "unexplained"]
 
@@ -57,13 +56,13 @@ def _described(case: Case, against: str, signal: NDArray[np.float64], probabilit
 
 
 def beside_a_term(
-    made: Sequence[Claim], found: Candidates, stack: Stack, term: Unexplained, settings: ClaimSettings
+    made: Sequence[Claim], found: Candidates, stack: Stack, term: Unexplained
 ) -> list[Claim]:
     """Limit the probability of causes that are claimed beside an unexplained term: docs/method.md, Eq. 27.
 
     A cause may fit what the unexplained term, a function of one column, does not reach. It keeps
     its probability only as far as it fits better than a second term against each other column.
-    Claims that are improbable after this are dropped.
+    All stay in the model, which is fitted and judged as a whole.
     """
     whole = Hypothesis((*(claim.variant for claim in made), found.terms[term.against]), 1.0)
     with_it = _evidence(whole.variants, stack)
@@ -74,8 +73,7 @@ def beside_a_term(
         rival = max((_evidence((*less, other), stack) for other in substitutes), default=-np.inf)
         better = 1 / (1 + np.exp(np.clip(rival - with_it, -700, 700)))
         doubted.append(replace(claim, probability=min(claim.probability, float(better))))
-    likely = (claim for claim in doubted if claim.probability >= settings.mentioned_from)
-    return sorted(likely, key=lambda claim: -claim.probability)
+    return sorted(doubted, key=lambda claim: -claim.probability)
 
 
 def _substitutes(found: Candidates, term: Unexplained) -> list[Variant]:

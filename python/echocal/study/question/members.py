@@ -35,6 +35,7 @@ _POSSIBLE = {
     "temperature_gradient": _Possible(None, "Tinkercad has no air"),
     "oblique_target": _Possible(None, "the target in Tinkercad has no angle"),
     "amplitude_walk": _Possible(None, "Tinkercad's module has no comparator"),
+    "receiver_recovery": _Possible(None, "Tinkercad's module has no comparator"),
     "reference_scale": _Possible((-0.005, 0.005), "the target is placed by mouse: 2 m may be 10 mm off"),
     "zero_error": _Possible((-0.010, 0.010), "the target is placed by mouse: 2 m may be 10 mm off"),
     "speed_intercept": _Possible((-0.5, 0.7), "programs use 330.8 to 332 m/s at 0 degC"),

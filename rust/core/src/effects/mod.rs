@@ -120,6 +120,7 @@ registry!(
     // transducer
     fixed_delay::FixedDelay,
     amplitude_walk::AmplitudeWalk,
+    receiver_recovery::ReceiverRecovery,
     recorded_amplitude::RecordedAmplitude,
     echo_quality::EchoQuality,
     resonance_drift::ResonanceDrift,
