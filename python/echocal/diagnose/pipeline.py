@@ -39,6 +39,7 @@ from echocal.diagnose.selection.claims import Ranking, rank
 from echocal.diagnose.selection.joint import join
 from echocal.diagnose.selection.plausibility import implausible
 from echocal.diagnose.selection.select import Selection, select
+from echocal.diagnose.selection.unexplained_term import imitated
 from echocal.diagnose.validation.held_rows import held_rows
 from echocal.diagnose.validation.judges import judge_of
 from echocal.diagnose.validation.remainder import remainder
@@ -166,7 +167,8 @@ def examined(reading: Reading, request: Request, work: Steps) -> Examined:
             level_steps.append(step)
             work.level_steps = len(level_steps)
 
-        doubts = unconfirmed(case, validation, judge, selection.noise) | implausible(validation.kept, ranking)
+        doubts = imitated(validation.kept, ranking) | unconfirmed(case, validation, judge, selection.noise)
+        doubts |= implausible(validation.kept, ranking)
         validation = replace(validation, doubts={**validation.doubts, **doubts})
         smooth = smooth_correction(case, validation, judge, selection.noise)
         left = remainder(case, ranking, validation, smooth, selection.noise)

@@ -13,7 +13,7 @@ from echocal.diagnose.inference.hypothesis import Hypothesis, Stack, fit_hypothe
 from echocal.diagnose.selection.claims import Claim, Ranking, without
 from echocal.diagnose.selection.slow_noise import LeastFavorable
 
-__all__ = ["beside_a_term", "term_is_told", "unexplained"]
+__all__ = ["beside_a_term", "imitated", "term_is_told", "unexplained"]
 
 _ANY = (-np.inf, np.inf)
 
@@ -55,9 +55,7 @@ def _described(case: Case, against: str, signal: NDArray[np.float64], probabilit
     return Unexplained(against, rms, min(probability, 1.0), text)
 
 
-def beside_a_term(
-    made: Sequence[Claim], found: Candidates, stack: Stack, term: Unexplained
-) -> list[Claim]:
+def beside_a_term(made: Sequence[Claim], found: Candidates, stack: Stack, term: Unexplained) -> list[Claim]:
     """Limit the probability of causes that are claimed beside an unexplained term: docs/method.md, Eq. 27.
 
     A cause may fit what the unexplained term, a function of one column, does not reach. It keeps
@@ -74,6 +72,17 @@ def beside_a_term(
         better = 1 / (1 + np.exp(np.clip(rival - with_it, -700, 700)))
         doubted.append(replace(claim, probability=min(claim.probability, float(better))))
     return sorted(doubted, key=lambda claim: -claim.probability)
+
+
+def imitated(made: Sequence[Claim], ranking: Ranking) -> dict[str, str]:
+    """Find claims that a second smooth function fits as well: ids, each with a sentence."""
+    named = ranking.settings.claims.named
+    return {
+        claim.cause: f"a smooth function of another column fits as well as {claim.cause} beside what is not "
+        f"explained, so {claim.cause} is not named"
+        for claim in made
+        if claim.probability < named <= ranking.of([claim.cause, *claim.rivals])
+    }
 
 
 def _substitutes(found: Candidates, term: Unexplained) -> list[Variant]:
