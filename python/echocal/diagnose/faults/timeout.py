@@ -93,7 +93,7 @@ def detect(view: View, own: Thresholds, settings: FaultSettings) -> Found | None
 def _constant(
     view: View, values: Column, settings: FaultSettings, own: Thresholds
 ) -> tuple[float, NDArray[np.int64]]:
-    """The most far rows with about one value, and their evidence: docs/method.md, Eq. 31b."""
+    """The most far rows with about one value, and their evidence: docs/method/faults.md, Eq. 31b."""
     outliers = np.flatnonzero(far(view, settings.far) & (values > 0))
     if not len(outliers):
         return -np.inf, outliers
