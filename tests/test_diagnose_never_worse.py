@@ -95,7 +95,8 @@ def check(diagnosis: echocal.Diagnosis, say: str) -> None:
     elif gain.rms_after_m == gain.rms_before_m:  # no row held out can judge it, and that is said
         assert any("neither confirm nor refute it" in note for note in diagnosis.notes), say
     if diagnosis.verdict == "nothing":
-        few = any("rows do not separate it from noise" in note for note in diagnosis.notes)  # Eq. 25a
+        # docs/method/checks.md, Eq. 25a
+        few = any("rows do not separate it from noise" in note for note in diagnosis.notes)
         assert few or probability_of_nothing(diagnosis) >= 0.1, say
     assert not FIRMWARE & {id_ for ids, _ in diagnosis.posterior for id_ in ids}, say
     for refuted in diagnosis.refuted:

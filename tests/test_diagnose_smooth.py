@@ -214,7 +214,7 @@ def test_where_the_columns_explain_little_it_is_nothing(random: np.random.Genera
 
 
 def test_the_remainder_is_an_f_test(random: np.random.Generator) -> None:
-    """With a wide prior it is the F test of ordinary least squares; docs/method.md, Eq. 34."""
+    """With a wide prior it is the F test of ordinary least squares; docs/method/checks.md, Eq. 34."""
     columns = random.normal(size=(8, 60))
     columns[0] = 1.0
     columns[-1] += 0.4 * columns[3]
@@ -240,7 +240,7 @@ def whitening(model: Any, starts: np.ndarray) -> np.ndarray:
 
 
 def test_the_curve_is_that_of_the_page(random: np.random.Generator, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Eq. 32 and 33 of docs/method.md with whole matrices, under the noise that the engine weights with."""
+    """docs/method/checks.md, Eq. 32 and 33, with whole matrices, under the noise of the engine."""
     stage = importlib.import_module("echocal.diagnose.validation.smooth")
     seen: list[Any] = []
     original = stage.Smoother.of

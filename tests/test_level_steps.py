@@ -1,4 +1,4 @@
-"""Steps of an unknown level, weighed together with the causes: docs/method.md, Eq. 40 to 42."""
+"""Steps of an unknown level, weighed together with the causes: docs/method/noises.md, Eq. 40 to 42."""
 
 from dataclasses import replace
 

@@ -82,11 +82,12 @@ def test_every_page_of_the_folder_is_in_the_site(site: Path) -> None:
 
 
 def test_equations_are_mathematics(site: Path) -> None:
-    method = (site / "method.html").read_text(encoding="utf-8")
-    source = (DOCS / "method.md").read_text(encoding="utf-8")
-    assert method.count('class="equation"') == source.count("```math")
-    for tag in re.findall(r"\\tag\{([^}]*)\}", source):
-        assert f'id="eq-{tag}"' in method
+    for page in (DOCS / "method.md", *(DOCS / "method").glob("*.md")):
+        method = (site / page.relative_to(DOCS)).with_suffix(".html").read_text(encoding="utf-8")
+        source = page.read_text(encoding="utf-8")
+        assert method.count('class="equation"') == source.count("```math")
+        for tag in re.findall(r"\\tag\{([^}]*)\}", source):
+            assert f'id="eq-{tag}"' in method
     for page in pages(site):
         read = Loaded(page)
         assert not [text for text in read.text if re.search(r"\$\\?[a-zA-Z]", text)], page.name

@@ -1,4 +1,4 @@
-"""Rows of one visit to a placement are one unit: docs/method.md, Eq. 1a."""
+"""Rows of one visit to a placement are one unit: docs/method/rows-and-candidates.md, Eq. 1a."""
 
 import numpy as np
 import pandas as pd

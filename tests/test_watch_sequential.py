@@ -115,7 +115,10 @@ def test_an_outlier_is_no_change(random: np.random.Generator) -> None:
 @pytest.mark.statistical
 @pytest.mark.slow
 def test_a_step_and_a_drift_are_told_in_time_and_dated(random: np.random.Generator) -> None:
-    """Twice the delay at which the information reaches log(run length) (Eq. 56), in nearly all of 12 logs."""
+    """Twice the delay at which the information reaches log(run length), in nearly all of 12 logs.
+
+    docs/method/several-tables.md, Eq. 56.
+    ."""
     run_length = YEAR / WAIT / WatchSettings().false_alarms
     late = missed = told = 0
     for log in range(12):

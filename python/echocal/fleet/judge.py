@@ -98,7 +98,7 @@ def _may_be_named(cause: Mapping[str, Any], record: Mapping[str, Any]) -> bool:
 
 
 def false_discoveries(names: Sequence[Name], named: float, accepted: float) -> dict[str, Any]:
-    """False names to expect among those that are named: docs/method.md, Eq. 62.
+    """False names to expect among those that are named: docs/method/several-tables.md, Eq. 62.
 
     Parameters
     ----------

@@ -1,4 +1,7 @@
-"""How common each cause is among sensors of a kind, and what that says of each: method.md, section 12."""
+"""How common each cause is among sensors of a kind, and what that says of each.
+
+docs/method/several-tables.md, section 12.
+"""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -86,13 +89,16 @@ def prevalence(sensors: Sequence[Mapping[str, Any]], settings: Settings) -> Prev
 
 
 def _share(expected: Any, number: Any, prior: Column, weight: float) -> Column:
-    """Prevalence of causes that so many sensors are expected to have: docs/method.md, Eq. 60."""
+    """Prevalence of causes that so many sensors are expected to have.
+
+    docs/method/several-tables.md, Eq. 60.
+    """
     share: Column = (np.maximum(expected, 0.0) + weight * prior) / (number + weight)
     return share
 
 
 def _uncertainty(sets: Sets, share: Column, probability: Column, weight: float) -> Column:
-    """From the scores of the sensors, and from the prior: docs/method.md, Eq. 61."""
+    """From the scores of the sensors, and from the prior: docs/method/several-tables.md, Eq. 61."""
     variance = share * (1 - share)
     scores = np.where(sets.competes, (probability - share) / variance, 0.0)
     result: Column = 1.0 / np.sqrt((scores**2).sum(axis=0) + (weight + 1) / variance)

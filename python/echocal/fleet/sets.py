@@ -31,7 +31,7 @@ class Sets:
     start : ndarray of int, shape (sensors + 1,)
         First set of each sensor, and the number of all.
     log_likelihood : ndarray, shape (sets,)
-        Posterior divided by prior: docs/method.md, Eq. 57.
+        Posterior divided by prior: docs/method/several-tables.md, Eq. 57.
     entry_set, entry_sensor, entry_cause : ndarray of int
         Set, sensor and cause of each entry.
     entry_weight : ndarray of int
@@ -60,7 +60,9 @@ class Sets:
         return np.asarray(summed, dtype=np.float64).reshape(shape)
 
     def posterior(self, share: Column) -> Column:
-        """Probability of each set if causes are so common, shape (sensors, causes): docs/method.md, Eq. 59.
+        """Probability of each set if causes are so common, shape (sensors, causes).
+
+        docs/method/several-tables.md, Eq. 59.
 
         Causes that a sensor cannot separate divide the odds of their class evenly there.
         """

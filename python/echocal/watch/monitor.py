@@ -49,7 +49,7 @@ class Alarm:
 class Monitor:
     """The test of one sensor, row by row: the same for any division of the rows into batches.
 
-    The score of a row is that of docs/method.md, Eq. 50; Eq. 52 tells a change.
+    The score of a row is that of docs/method/several-tables.md, Eq. 50; Eq. 52 tells a change.
 
     Attributes
     ----------

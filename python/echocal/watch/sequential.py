@@ -39,7 +39,7 @@ class Onset:
 
 
 class Onsets:
-    """For each possible onset and each signature, the sums of docs/method.md, Eq. 51.
+    """For each possible onset and each signature, the sums of docs/method/several-tables.md, Eq. 51.
 
     Parameters
     ----------

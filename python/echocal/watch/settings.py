@@ -11,7 +11,7 @@ __all__ = ["WatchSettings"]
 
 @dataclass(frozen=True, kw_only=True)
 class WatchSettings:
-    """Numbers of the sequential test (docs/method.md, section 11).
+    """Numbers of the sequential test (docs/method/several-tables.md, section 11).
 
     Examples
     --------

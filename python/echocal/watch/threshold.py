@@ -62,7 +62,7 @@ def _field() -> float:
 
 
 def false_alarm_rate(height: float, directions: int) -> float:
-    """False alarms per row at a threshold, the noise being known (docs/method.md, Eq. 53).
+    """False alarms per row at a threshold, the noise being known (docs/method/several-tables.md, Eq. 53).
 
     Parameters
     ----------

@@ -17,7 +17,9 @@ _LEAST = 0.02  # of its variance, that such a function has
 
 
 def slow_air_columns(found: Candidates, scene: Scene) -> tuple[int, ...]:
-    """Add what warmer air along the path does to the readings, as functions of time: docs/method.md, Eq. 5a.
+    """Add what warmer air along the path does to the readings, as functions of time.
+
+    docs/method/noises.md, Eq. 5a.
 
     Returns
     -------

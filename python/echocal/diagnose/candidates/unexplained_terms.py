@@ -57,7 +57,10 @@ class Basis:
         return cls(against, low, high, settings)
 
     def at(self, values: Column) -> list[Column]:
-        """All functions of docs/method.md, Eq. 2a, times their scales, with their means [m]."""
+        """All functions of.
+
+        docs/method/rows-and-candidates.md, Eq. 2a, times their scales, with their means [m].
+        """
         if self.against == HOUR:
             return list(_core.wave_values(values, 24.0, _harmonics(self.settings)))
         return list(_core.legendre_values(values, self.low, self.high, _scales(self.settings)))

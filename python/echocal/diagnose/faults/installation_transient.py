@@ -178,7 +178,7 @@ def _log_tailed(unit: Column, freedom: float) -> Column:
 def _contrast(value: Column, count: int, scatter: float, own: Thresholds) -> tuple[float, float, float]:
     """How far the first stretch is from the rows after it, how far others are, and their rank as a part.
 
-    These are the terms of docs/method.md, Eq. 30a.
+    These are the terms of docs/method/faults.md, Eq. 30a.
     """
     after = max(count, _AFTER)
     blocks = (len(value) - after) // count

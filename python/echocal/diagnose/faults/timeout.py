@@ -94,7 +94,7 @@ def detect(view: View, own: Thresholds, settings: FaultSettings) -> Found | None
 
 
 def _constant(view: View, values: Column, settings: FaultSettings, own: Thresholds) -> tuple[float, Labels]:
-    """Far rows with about one value, the likeliest of several such values: docs/method.md, Eq. 31b."""
+    """Far rows with about one value, the likeliest of several such values: docs/method/faults.md, Eq. 31b."""
     outliers = np.flatnonzero(far(view, settings.far) & (values > 0))
     if not len(outliers):
         return -np.inf, outliers

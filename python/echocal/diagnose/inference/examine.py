@@ -38,8 +38,8 @@ def examine(
 ) -> Case:
     """Build the columns and pass over them once.
 
-    The residual is that of docs/method.md, Eq. 1; the columns are those of Eq. 2. `offsets` are
-    those of placements that a noise explains [m]; they are subtracted from the residual (Eq. 18a).
+    The residual is that of docs/method.md, Eq. 1; the columns are those of Eq. 2. `offsets` are those of
+    placements that a noise explains [m]; docs/method/noises.md, Eq. 18a subtracts them from the residual.
     `steps` are positions of rows at which the level may change: each has a column, which is no cause.
     """
     residual = table.indication - base.expected(table.distance(base.model()), table.conditions)

@@ -18,7 +18,7 @@ Column = NDArray[np.float64]
 def innovation(left: Column, order: Order, noise: Noise) -> Column:
     """Whiten residuals: subtract the errors of the stations and what the rows before predict.
 
-    docs/method.md, Eq. 3 to 5.
+    docs/method.md, Eq. 3 and 5, and docs/method/noises.md, Eq. 4.
 
     Parameters
     ----------

@@ -22,7 +22,7 @@ __all__ = [
 class Convection(NamedTuple):
     """Warm cells in the path: white noise, and autocorrelated noise that grows with the distance.
 
-    docs/method.md, Eq. 4. With a coefficient of 0 it is noise without autocorrelation that grows.
+    docs/method/noises.md, Eq. 4. With a coefficient of 0 it is noise without autocorrelation that grows.
 
     Attributes
     ----------
@@ -120,7 +120,7 @@ def noises(
     levels: bool = False,
     slow_air: bool = False,
 ) -> tuple[Noise, ...]:
-    """List the noise models considered: the grid of docs/method.md, section 2.
+    """List the noise models considered: the grid of docs/method/noises.md.
 
     Parameters
     ----------

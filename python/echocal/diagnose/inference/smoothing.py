@@ -131,7 +131,9 @@ class Smoother:
         return self.known[key]
 
     def chosen(self, blocks: Mask, held: Sequence[Mask], residual: int) -> dict[int, float]:
-        """Columns and penalties that predict blocks which they are not fitted to: docs/method.md, Eq. 33.
+        """Columns and penalties that predict blocks which they are not fitted to.
+
+        docs/method/checks.md, Eq. 33.
 
         Parameters
         ----------
@@ -162,7 +164,7 @@ class Smoother:
         return best
 
     def fitted(self, blocks: Mask, weights: Weights, residual: int) -> Coefficients:
-        """Coefficients of the splines that take part: docs/method.md, Eq. 32."""
+        """Coefficients of the splines that take part: docs/method/checks.md, Eq. 32."""
         (products, degrees), used = self.over(blocks), self._used(weights)
         whole = products[np.ix_(used, used)] + self._penalty(weights, used)
         along, square = products[used, residual], products[residual, residual]

@@ -1,4 +1,7 @@
-"""Steps of an unknown level as hypotheses, weighed together with the causes: docs/method.md, Eq. 40 to 42."""
+"""Steps of an unknown level as hypotheses, weighed together with the causes.
+
+docs/method/noises.md, Eq. 40 to 42.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace

@@ -107,7 +107,10 @@ class _Tried:
 
 
 def find(case: Case, inference: Inference) -> Offsets | None:
-    """Compare the hypotheses with the same hypotheses beside whole periods of each placement."""
+    """Compare the hypotheses with the same hypotheses beside whole periods of each placement.
+
+    docs/method/noises.md, Eq. 18a.
+    """
     settings = case.settings.noises
     own = settings.of(FACTS, Thresholds)
     step = _step(case)

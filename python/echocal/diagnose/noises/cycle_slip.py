@@ -130,7 +130,7 @@ def fit(trace: Trace, settings: NoiseSettings) -> Likelihood | None:
 
 
 def missed(trace: Trace, settings: NoiseSettings) -> Column | None:
-    """Expected error of each row from its missed cycles [m]: docs/method.md, Eq. 18c.
+    """Expected error of each row from its missed cycles [m]: docs/method/noises.md, Eq. 18c.
 
     None if the groups are so wide that a row's cycles are not known.
     """

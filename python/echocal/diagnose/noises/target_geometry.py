@@ -79,7 +79,7 @@ FACTS = CauseFacts(
 
 
 def find(case: Case, inference: Inference) -> Offsets | None:
-    """Compare errors of stations with those of the levels of each column: docs/method.md, Eq. 18b."""
+    """Compare errors of stations with those of the levels of each column: docs/method/noises.md, Eq. 18b."""
     own, prior = case.settings.noises.of(FACTS, Thresholds), case.settings.noises.prior(FACTS)
     if case.table.reference is None:
         return None

@@ -51,9 +51,9 @@ def diagnose_many(
     """Name what a base simulation gets wrong about several tables together.
 
     The tables are of one instrument, or of several instruments of one kind. Each is diagnosed alone. Then the
-    sets of causes that all of them share are compared (docs/method.md, section 10): a shared cause has one
-    prior probability for all tables, and a size in each table that varies around a common mean. The gain is
-    measured on tables left out in turn.
+    sets of causes that all of them share are compared (docs/method/several-tables.md, section 10): a shared
+    cause has one prior probability for all tables, and a size in each table that varies around a common
+    mean. The gain is measured on tables left out in turn.
 
     Parameters
     ----------

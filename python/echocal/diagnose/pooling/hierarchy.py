@@ -1,4 +1,7 @@
-"""Sizes that vary between tables: Gaussian integrals in closed form. docs/method.md, Eq. 36 to 38."""
+"""Sizes that vary between tables: Gaussian integrals in closed form.
+
+docs/method/several-tables.md, Eq. 36 to 38.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -131,7 +134,7 @@ class Population:
         return np.asarray(self.weight @ self.grid.between)
 
     def drawn(self, tables: Likelihoods) -> list[Sizes]:
-        """Sizes of each table, drawn to the mean of all: docs/method.md, Eq. 38."""
+        """Sizes of each table, drawn to the mean of all: docs/method/several-tables.md, Eq. 38."""
         d = self.grid.widths.shape[1]
         variance = self.grid.between**2  # (g, d)
         inner = np.eye(d) + variance[:, None, :, None] * tables.precision  # (g, k, d, d)

@@ -1,4 +1,4 @@
-"""The posterior over the sets of causes that all tables share: docs/method.md, section 10."""
+"""The posterior over the sets of causes that all tables share: docs/method/several-tables.md, section 10."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field

@@ -1,4 +1,7 @@
-"""What one table says about sets of causes that all tables may share: docs/method.md, Eq. 35 and 36."""
+"""What one table says about sets of causes that all tables may share.
+
+docs/method/several-tables.md, Eq. 35 and 36.
+"""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace

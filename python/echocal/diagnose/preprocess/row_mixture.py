@@ -52,7 +52,9 @@ class RowMixture:
 
 
 def row_mixture(reading: Column, visit: Labels, period: Column, rounding: float = 0.0) -> RowMixture:
-    """Fit the mixture, its shares and its scatter common to all visits: docs/method.md, Eq. 1a.
+    """Fit the mixture, its shares and its scatter common to all visits.
+
+    docs/method/rows-and-candidates.md, Eq. 1a.
 
     Parameters
     ----------

@@ -18,7 +18,9 @@ Labels = NDArray[np.int64]
 
 
 def joined(table: Table, period: Column, settings: RowSettings) -> Table:
-    """Join the rows of each visit where the air hardly changes in it: docs/method.md, Eq. 1a.
+    """Join the rows of each visit where the air hardly changes in it.
+
+    docs/method/rows-and-candidates.md, Eq. 1a.
 
     What the rows of a visit share (the tape, the tilt of the target, the air on the way) does not average
     out over them. So they tell no more about a cause than their mean does, unless the temperature changes

@@ -20,7 +20,7 @@ _PARTS = np.append(0.0, np.geomspace(1e-4, 0.1, 10))[:, None]  # of rows that ar
 
 
 def wild_beyond(off: Column, spread: float, way: float, step: float, settings: RowSettings) -> float:
-    """Deviation from which on a row is wild, more probably than not: docs/method.md, Eq. 2b.
+    """Deviation from which on a row is wild, more probably than not: docs/method/faults.md, Eq. 2b.
 
     Parameters
     ----------

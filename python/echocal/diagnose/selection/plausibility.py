@@ -1,4 +1,4 @@
-"""Whether the size of a cause is one that such devices and such air have: docs/method.md, Eq. 46."""
+"""Whether the size of a cause is one that such devices and such air have: docs/method/checks.md, Eq. 46."""
 
 from collections.abc import Sequence
 from typing import Any

@@ -1,4 +1,4 @@
-"""Whether few rows show more than slow noise: docs/method.md, section 7, Eq. 25a."""
+"""Whether few rows show more than slow noise: docs/method/checks.md, section 7, Eq. 25a."""
 
 from collections.abc import Callable
 from dataclasses import dataclass

@@ -56,7 +56,9 @@ def _described(case: Case, against: str, signal: NDArray[np.float64], probabilit
 
 
 def beside_a_term(made: Sequence[Claim], found: Candidates, stack: Stack, term: Unexplained) -> list[Claim]:
-    """Limit the probability of causes that are claimed beside an unexplained term: docs/method.md, Eq. 27.
+    """Limit the probability of causes that are claimed beside an unexplained term.
+
+    docs/method/checks.md, Eq. 27.
 
     A cause may fit what the unexplained term, a function of one column, does not reach. It keeps
     its probability only as far as it fits better than a second term against each other column.

@@ -3,7 +3,8 @@
 `echocal.diagnose(..., settings=)` takes other values, and a diagnosis records the values that it
 used. The constants of the core are in rust/infer; docs/settings.md lists those that decide. Numbers
 that change only the computing time or the memory are in the files that use them. The facts of a cause
-(its prior, its usual size) are in the file of the cause. The equations are those of docs/method.md.
+(its prior, its usual size) are in the file of the cause. The equations are those of docs/method.md and
+of the pages in docs/method.
 """
 
 from __future__ import annotations

@@ -15,15 +15,15 @@ class ClaimSettings:
         0.6,
         "P(no effect)",
         "below it an effect is claimed, even if each single effect is improbable; tested only if the best "
-        "set of effects is empty; chosen by hand on development tables; no script repeats it. The last "
-        "benchmark has no false alarm in the designs b and c; the target is 0.02",
+        "set of effects is empty; chosen by hand on development tables; no script repeats it. "
+        "docs/diagnosis-benchmark.md has the false alarms; the target is 0.02",
     )
     claim_below_of_few: float = threshold(
         0.44,
         "P(no effect)",
         "the same, if there are too few rows to detect autocorrelated noise; then also under each single "
         "autoregression of the noise; the prior of no cause: the data must support an effect. 539 nulls of "
-        "design a were run, see docs/method.md, section 7",
+        "design a were run, see docs/method/evidence.md",
     )
     possible_autoregression: float = threshold(
         3.0,
@@ -37,8 +37,9 @@ class ClaimSettings:
     claim_below_amid_noise: float = threshold(
         0.25,
         "P(no effect)",
-        "the same, if the noise is autocorrelated or the stations have errors; measured on 750 fresh nulls "
-        "when claim_below was 0.44: half the false alarms at the same power; not repeated since",
+        "the same, if the noise is autocorrelated, the air is slow or the stations have errors; measured on "
+        "750 fresh nulls when claim_below was 0.44: half the false alarms at the same power; not repeated "
+        "since",
     )
     noisy_from: float = threshold(
         0.5, "probability", "from it on, such noise counts as present; more probable than not"

@@ -20,7 +20,7 @@ Matrix = NDArray[np.float64]
 def remainder(
     case: Case, ranking: Ranking, judgment: Validation, smooth: SmoothCorrection | None, noise: Noise
 ) -> Remainder | None:
-    """Test whether the floor is far below the error of the model: docs/method.md, Eq. 34.
+    """Test whether the floor is far below the error of the model: docs/method/checks.md, Eq. 34.
 
     Parameters
     ----------

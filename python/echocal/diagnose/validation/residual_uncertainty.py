@@ -1,4 +1,7 @@
-"""What the model leaves unexplained of rows that its sizes are not fitted to: docs/method.md, Eq. 31a."""
+"""What the model leaves unexplained of rows that its sizes are not fitted to.
+
+docs/method/checks.md, Eq. 31a.
+"""
 
 import warnings
 

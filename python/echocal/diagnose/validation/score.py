@@ -153,7 +153,7 @@ def _followed(order: Order, rows: Labels, noise: Noise) -> Order | None:
 
 
 def _white(values: Column, order: Order | None, noise: Noise) -> Column:
-    """Innovations of a column: docs/method.md, Eq. 3 and 4."""
+    """Innovations of a column: docs/method.md, Eq. 3, and docs/method/noises.md, Eq. 4."""
     if order is None:
         return values
     given = np.ascontiguousarray(values), order.starts, order.distance

@@ -1,4 +1,5 @@
-//! Basis functions of a column, not centered, for a few rows: docs/method.md, Eq. 2a without the means.
+//! Basis functions of a column, not centered, for a few rows: docs/method/rows-and-candidates.md,
+//! Eq. 2a without the means.
 //!
 //! The columns of a table have the same functions, made block by block where a pass needs them.
 

@@ -1,4 +1,4 @@
-//! Legendre polynomials of a column: docs/method.md, Eq. 2a.
+//! Legendre polynomials of a column: docs/method/rows-and-candidates.md, Eq. 2a.
 #![allow(clippy::suboptimal_flops)] // without FMA every fused product is a call
 #![allow(clippy::needless_range_loop)] // plain loops over constant sizes stay in registers
 

@@ -1,4 +1,4 @@
-//! What columns are made of: docs/method.md, Eq. 2 and 2a.
+//! What columns are made of: docs/method.md, Eq. 2, and docs/method/rows-and-candidates.md, Eq. 2a.
 
 use echocal_core::model::Term;
 

@@ -1,4 +1,4 @@
-//! Waves of a column: sines and cosines of its multiples (docs/method.md, after Eq. 2a).
+//! Waves of a column: sines and cosines of its multiples (docs/method/rows-and-candidates.md, after Eq. 2a).
 #![allow(clippy::suboptimal_flops)] // without FMA every fused product is a call
 
 use super::sampling::spread;

@@ -1,4 +1,4 @@
-//! Noise of warm cells that drift through the path of the echo: docs/method.md, Eq. 4.
+//! Noise of warm cells that drift through the path of the echo: docs/method/noises.md, Eq. 4.
 //!
 //! The delays of cells that know nothing of each other add up, and so do their variances: that of the
 //! travel time grows in proportion to the path, until caustics bend it upward (Andreeva & Durgin 2005,
@@ -78,7 +78,7 @@ impl Filter {
         }
     }
 
-    /// The step of the next row, at its distance \[m\]: it whitens docs/method.md, Eq. 4.
+    /// The step of the next row, at its distance \[m\]: it whitens docs/method/noises.md, Eq. 4.
     fn step(&mut self, begins: bool, distance: f64) -> FilterStep {
         let (rho, shared) = (self.of.rho, self.of.shared());
         let root = self.of.at(distance);

@@ -158,8 +158,8 @@ impl TableSums {
         }
     }
 
-    /// Whitens the products of the parts, docs/method.md, Eq. 9 and 10; returns the weight of the noise:
-    /// its prior, and `-1/2 ln det V` of Eq. 13.
+    /// Whitens the products of the parts, docs/method.md, Eq. 9, and docs/method/noises.md, Eq. 10; returns
+    /// the weight of the noise: its prior, and `-1/2 ln det V` of docs/method.md, Eq. 13.
     fn whitened(&self, noise: &NoiseModel, sums: &Merged, series: f64, memory: &mut Memory) -> f64 {
         let (rho, first_weight) = (noise.rho, noise.first_weight);
         let Memory {

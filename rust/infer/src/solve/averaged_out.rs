@@ -19,7 +19,7 @@ pub struct AveragedOut<'a> {
 }
 
 impl AveragedOut<'_> {
-    /// Products without the columns, and what that adds to the log evidence: docs/method.md, Eq. 41.
+    /// Products without the columns, and what that adds to the log evidence: docs/method/noises.md, Eq. 41.
     ///
     /// `products` are matrices of `width`, one after the other. Each of `wanted` is a place among them and
     /// the variance of the innovations; an infinite variance takes nothing out.

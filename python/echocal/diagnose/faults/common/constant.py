@@ -19,14 +19,19 @@ def finest(values: Column, step: float) -> float:
 
 
 def log_choices(count: int, among: int) -> float:
-    """Log of how many rows it may have been, among some, and of which ones: docs/method.md, Eq. 31b."""
+    """Log of how many rows it may have been, among some, and of which ones.
+
+    docs/method/faults.md, Eq. 31b.
+    """
     return float(np.log(among + 1) + gammaln(among + 1) - gammaln(count + 1) - gammaln(among - count + 1))
 
 
 def log_constant(
     values: Column, least: float, own: Constant, around: tuple[float, float] | None = None
 ) -> float:
-    """Log density of the logarithms of values around one, which has any value: docs/method.md, Eq. 31b.
+    """Log density of the logarithms of values around one, which has any value.
+
+    docs/method/faults.md, Eq. 31b.
 
     Parameters
     ----------

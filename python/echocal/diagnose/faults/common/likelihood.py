@@ -1,4 +1,4 @@
-"""How likely rows are where a law says they should be, with a few strays: docs/method.md, Eq. 30c."""
+"""How likely rows are where a law says they should be, with a few strays: docs/method/faults.md, Eq. 30c."""
 
 import numpy as np
 from numpy.typing import NDArray

@@ -86,7 +86,7 @@ def count_evidence(view: View, rows: NDArray[np.bool_], settings: FaultSettings)
 
 
 def _against_odd(view: View, rows: NDArray[np.bool_], off: NDArray[np.float64], own: Outliers) -> float:
-    """Log Bayes factor of echoes over another way against odd rows: docs/method.md, Eq. 30b.
+    """Log Bayes factor of echoes over another way against odd rows: docs/method/faults.md, Eq. 30b.
 
     All far rows are such echoes, or any part of them, with the same prior. `off` is in units of the limit.
     """

@@ -48,7 +48,9 @@ def with_growing_noise(
 
 
 def growth_of(case: Case, inference: Inference) -> Finding | None:
-    """Find noise that grows with the distance by the probability of its models: docs/method.md, Eq. 26.
+    """Find noise that grows with the distance by the probability of its models.
+
+    docs/method/noises.md, Eq. 26.
 
     Parameters
     ----------

@@ -290,7 +290,7 @@ class _NuisancePrior:
 def _doubt(shares: NoisePosterior, nuisances: Collection[_NuisancePrior]) -> None:
     """Lower the probabilities of nuisance noises to what their priors as causes allow.
 
-    docs/method.md, below Eq. 26.
+    docs/method/noises.md, below Eq. 26.
 
     To avoid false alarms, the fits assume such noise in every other table. It is reported only if it
     is probable without that assumption: effects under white noise are its rivals.
@@ -316,7 +316,7 @@ def _doubt(shares: NoisePosterior, nuisances: Collection[_NuisancePrior]) -> Non
 def _nuisances(
     fits: Sequence[HypothesisFit], nuisances: Collection[_NuisancePrior], mixed: NDArray[np.float64]
 ) -> list[dict[str, float]]:
-    """Probability of each nuisance noise as a cause, with its smaller prior: docs/method.md, Eq. 26.
+    """Probability of each nuisance noise as a cause, with its smaller prior: docs/method/noises.md, Eq. 26.
 
     `mixed` is the probability of the fitted noises that compete with them, beside each of `fits`.
     """

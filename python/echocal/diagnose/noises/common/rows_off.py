@@ -39,7 +39,7 @@ class RowsOff:
 def without_rows_off(
     case: Case, inference: Inference, shares: NoisePosterior, tried: Collection[FittedNoise]
 ) -> RowsOff | None:
-    """Subtract what a noise with a mean adds to each row from the residuals: docs/method.md, Eq. 18c.
+    """Subtract what a noise with a mean adds to each row from the residuals: docs/method/noises.md, Eq. 18c.
 
     Parameters
     ----------

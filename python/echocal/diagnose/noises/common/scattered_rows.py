@@ -28,7 +28,7 @@ _MAD_TO_SD = 1.4826  # of a normal distribution
 
 @dataclass(frozen=True)
 class Scattered:
-    """Noise of two kinds of rows, both normal with a mean of zero: docs/method.md, Eq. 18d.
+    """Noise of two kinds of rows, both normal with a mean of zero: docs/method/noises.md, Eq. 18d.
 
     Attributes
     ----------
@@ -98,7 +98,7 @@ def _share(square: Column, part: float, usual: float, wide: float) -> Column:
 def without_scattered_rows(
     case: Case, inference: Inference, shares: NoisePosterior
 ) -> tuple[Case, Inference] | None:
-    """Subtract what few rows scatter beyond the others from the residuals: docs/method.md, Eq. 18d.
+    """Subtract what few rows scatter beyond the others from the residuals: docs/method/noises.md, Eq. 18d.
 
     Such rows are exceptions from what the best hypothesis leaves, or from what the least one leaves: under
     normal noise, a cause may be the best one only because it follows them.

@@ -1,4 +1,4 @@
-//! White noise on top of a first-order autoregression, an ARMA(1,1): docs/method.md, Eq. 3 and 10.
+//! White noise on top of a first-order autoregression, an ARMA(1,1): docs/method.md, Eq. 3, and docs/method/noises.md, Eq. 10.
 //!
 //! Residuals of a logged sensor are rarely independent. White noise on top of a first-order
 //! autoregression (Box, Jenkins & Reinsel 2008, section A4.3: an ARMA(1,1)) is whitened by
