@@ -19,6 +19,7 @@ from echocal.watch.rows import Row
 __all__ = ["Arrival", "Batch", "Parser", "Unread", "json_of", "parsed"]
 
 _MOST = 2000  # rows of a batch: what a stop by force repeats at most
+_FEW = 20  # lines among which there is a header, or none comes
 _DEEPEST = 100  # lists and objects in each other: what writes them again stands on a stack of its own
 _SHOWN = 80  # letters of a text that a message shows
 _KEPT = "surrogateescape"  # a byte that is no text stays, so that its line can be set aside as it is
@@ -211,7 +212,12 @@ class Parser:
             return len(lines) if final else at
         if not _is_text(told[0]):
             raise DataError(said_no_text(self._source, self._layout.encoding, told[0].encode("utf-8", _KEPT)))
-        head = head_in(first, replace(self._layout, skip_lines=before + at), self._source)
+        try:
+            head = head_in(first, replace(self._layout, skip_lines=before + at), self._source)
+        except DataError:
+            if final or len(told) >= _FEW or "\0" in told[0]:
+                raise
+            return at
         if head.nameless:
             message = (
                 f"{self._source} is text without a header, which cannot be watched: write the names of its "
