@@ -112,3 +112,36 @@ def test_decimal_commas(separator: str, run: Run, tmp_path: Path, random: np.ran
 def test_a_file_that_has_a_header_only(run: Run, tmp_path: Path) -> None:
     (tmp_path / "log.csv").write_text("time,echo_us,temperature_C,distance_m\n")
     assert run("watch", "log.csv", "--once")[1].startswith("0 rows")
+
+
+def test_a_field_that_goes_on_hides_nothing(run: Run, tmp_path: Path) -> None:
+    """The rows before it are corrected at once, with the comma that they show; it waits for its end."""
+    first = 'time;echo_us;temperature_C;note\n2026-01-01;11660,5;20;a\n2026-01-02;11660,5;20;"two\n'
+    words = ["log.csv", "--law", "linear", "--correct-only", "--once", "--state", "s.db", "-o", "out.jsonl"]
+    (tmp_path / "log.csv").write_text(first)
+    code, said = run("watch", *words)
+    assert (code, "ends within a line" in said, "1 rows, 1 corrected" in said) == (0, True, True)
+    (tmp_path / "log.csv").write_text(first + 'lines"\n2026-01-03;11660;20;"stray\n2026-01-04;11660;20;\n')
+    assert "line 5" in run("watch", *words)[1]
+    found = lines(tmp_path / "out.jsonl")
+    assert [row["note"] for row in found] == ["a", "two\nlines", ""]
+    assert all(row["corrected_distance_m"] > 2.0 for row in found)
+
+
+def test_a_watch_that_corrects_nothing_says_so(run: Run, tmp_path: Path) -> None:
+    """Not so once a row was corrected, by an earlier watch with the same state, too."""
+    words = ["log.csv", "--law", "linear", "--correct-only", "--once", "--state", "s.db"]
+    text = "echo_us,temperature_C\nfar,20\n11660\n"
+    for more, wanted, says in (
+        (
+            "",
+            3,
+            "no row could be corrected: 1 x echo_us is no number, first 'far'; 1 x temperature_C missing",
+        ),
+        ("11660,20\n", 0, "1 rows, 1 corrected"),
+        ("near,20\n", 0, "1 rows, 0 corrected"),
+    ):
+        text += more
+        (tmp_path / "log.csv").write_text(text)
+        code, said = run("watch", *words)
+        assert (code, says in said) == (wanted, True), said

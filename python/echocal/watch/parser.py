@@ -158,6 +158,7 @@ class Parser:
                 return
             size = marked + len("".join(lines[at:end]).encode(self._encoding, _KEPT))
             at, marked, self.line = end, 0, before + end
+            self._see(batch)
             batch.decimal = self._decimal or "."
             batch.units = {} if self._head is None else self._head.units
             yield batch, size
@@ -254,7 +255,6 @@ class Parser:
         except DataError as error:  # of one line: the others go on
             batch.add(None, str(error), lines[at].encode("utf-8", _KEPT), self._source)
             at += 1
-        self._see([arrival.text.decode("utf-8", "replace") for arrival in batch.rows], before + at)
         return at
 
     def _take(self, record: Record, batch: Batch) -> bool:
@@ -274,14 +274,11 @@ class Parser:
             return False
         text = raw.encode("utf-8", _KEPT)
         if not _is_text(raw):
-            batch.add(None, f"{no_utf8(text)}{self._how}: {_shown(text)}", text, self._source)
+            how = "; if the file is in another encoding: --encoding latin-1 (or cp1252, utf-16, ...)"
+            batch.add(None, f"{no_utf8(text) or 'no text'}{how}: {_shown(text)}", text, self._source)
         else:
             batch.add(dict(zip(self._head.names, fields, strict=True)), record.why, text, self._source)
         return True
-
-    @property
-    def _how(self) -> str:
-        return "; if the file is in another encoding: --encoding latin-1 (or cp1252, utf-16, ...)"
 
     def _is_header(self, fields: list[str]) -> bool:
         """Whether most fields are names of the header: it comes again, or another one comes in its place."""
@@ -294,11 +291,11 @@ class Parser:
             text = line.encode("utf-8", _KEPT)
             batch.add(*parsed(text), text, self._source)
 
-    def _see(self, rows: list[str], line: int) -> None:
+    def _see(self, batch: Batch) -> None:
         """See the decimal separator in the first rows that have one, as far as `echocal correct` looks."""
-        assert self._head is not None
-        if not self._decimal:
-            self._decimal = decimal_of(rows, self._head.separator) or ("." if line > FIRST else "")
+        if self._head is not None and not self._decimal:
+            rows = [arrival.text.decode("utf-8", "replace") for arrival in batch.rows]
+            self._decimal = decimal_of(rows, self._head.separator) or ("." if self.line > FIRST else "")
 
 
 def _fits(line: str, head: Head) -> bool:
