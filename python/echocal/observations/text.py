@@ -22,6 +22,7 @@ from echocal.observations.heading import SEPARATORS, fields_of, find_head
 from echocal.observations.layout import CUT_SIGN, Head, Layout, is_zipped, no_encoding, settled
 from echocal.observations.numbers import EXACT
 from echocal.observations.quotes import Marks
+from echocal.observations.records import Records
 
 __all__ = ["FIRST", "Head", "Layout", "below", "head_in", "head_of", "is_zipped", "no_text", "read"]
 __all__ += ["resolved", "said_no_text", "settled"]
@@ -231,34 +232,19 @@ class _Body:
         sound = io.StringIO(newline="")
         writer = csv.writer(sound, delimiter=self.head.separator, lineterminator="\n")
         count = 0
-        with self._lines() as lines:
-            for fields in _fields(lines, self.head.separator):
-                if not fields:
+        with below(self.path, self.layout, self.head.start) as file:
+            records = Records(str(self.path), self.head)
+            for record in records.of(file, self.head.start + 1):
+                if not record.is_row:
                     continue
-                if len(fields) > self.width and any(text.strip() for text in fields[self.width :]):
+                if record.why == CORRUPT:
                     self.corrupt[count] = CORRUPT
-                    fields = [""] * self.width
-                writer.writerow(fields[: self.width])
+                writer.writerow([""] * self.width if record.why == CORRUPT else records.fields(record.text))
                 count += 1
         if 2 * len(self.corrupt) >= count:
             return None
         sound.seek(0)
         return sound
-
-
-def _fields(lines: TextIO, separator: str) -> Iterator[list[str]]:
-    reader = csv.reader(lines, delimiter=separator, skipinitialspace=True)
-    while True:
-        try:
-            yield next(reader)
-        except StopIteration:
-            return
-        except csv.Error:
-            message = (
-                f"line {reader.line_num} has a field of more than {csv.field_size_limit():,} characters, "
-                "which no table of measurements has; remove it"
-            )
-            raise DataError(message) from None
 
 
 def _first_lines(lines: list[str], skip: int, path: str) -> tuple[int, str, list[str]]:

@@ -8,11 +8,11 @@ from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
 from echocal.correct.needed import refuse_repeated
-from echocal.correct.text.records import Record, Records
 from echocal.errors import DataError
 from echocal.observations.found import CUT
 from echocal.observations.heading import decimal_of, fields_of, is_value, names_of
 from echocal.observations.layout import Head, Layout, seen_in
+from echocal.observations.records import Record, Records
 from echocal.observations.text import FIRST, head_in, said_no_text
 from echocal.watch.rows import Row
 

@@ -17,12 +17,12 @@ import pandas as pd
 
 from echocal import _core
 from echocal.correct.text.blocks import Block
-from echocal.correct.text.records import Records
 from echocal.observations.arrow import arrow, has_arrow, to_pandas
 from echocal.observations.found import NOT_READ
 from echocal.observations.heading import SEPARATORS
 from echocal.observations.layout import NO_SIGN
 from echocal.observations.numbers import EMPTY, NO_NUMBER, NUMBER, number_of
+from echocal.observations.records import Records
 from echocal.observations.text import Head, Layout
 from echocal.outputs import spreadsheet_safe
 
