@@ -94,9 +94,13 @@ def number_of(text: str, absent: Collection[str], decimal: str = ".") -> float |
     >>> number_of("2,5", NO_NUMBER, ","), number_of("n/a", NO_NUMBER), number_of("far", NO_NUMBER)
     (2.5, nan, None)
     """
-    plain = text.strip().replace(decimal, ".")
-    if plain in absent or text.strip() in absent:
+    plain = text.strip()
+    if plain in absent:
         return np.nan
+    if decimal != ".":
+        plain = plain.replace(decimal, ".")
+        if plain in absent:
+            return np.nan
     return float(plain) if NUMBER.fullmatch(plain) or _NOT_FINITE.fullmatch(plain) else None
 
 

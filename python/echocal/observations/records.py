@@ -2,7 +2,7 @@
 
 import csv
 from collections.abc import Callable, Iterable, Iterator
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from echocal.observations.found import CORRUPT, CUT
 from echocal.observations.heading import too_long
@@ -95,8 +95,7 @@ class Records:
 
     def fields(self, line: str) -> list[str]:
         """Fields of a row as texts."""
-        dialect: dict[str, Any] = {"delimiter": self._separator, "skipinitialspace": True}
         try:
-            return next(csv.reader([line], **dialect))
+            return next(csv.reader([line], delimiter=self._separator, skipinitialspace=True))
         except csv.Error:
             raise too_long(line) from None

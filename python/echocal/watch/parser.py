@@ -234,7 +234,7 @@ class Parser:
         return head.start - before
 
     def _begin(self, head: Head) -> None:
-        self._head = head
+        self._head, self._names = head, set(head.names)
         self._records = Records(
             self._source, head, lambda line: head.is_no_row(line) or line.lstrip().startswith("{")
         )
@@ -260,14 +260,14 @@ class Parser:
     def _take(self, record: Record, batch: Batch) -> bool:
         """Take a row or a line that is none; not so for another header, below which all is new."""
         assert self._head is not None
-        raw = "".join(record.held)
+        raw = record.held[0] if len(record.held) == 1 else "".join(record.held)
         if not record.is_row:
             if raw.lstrip().startswith("{") and not self._head.is_no_row(raw.rstrip("\r\n")):
                 self._add_json(raw, batch)
             return True
         fields = self._records.fields(record.text)
         own = fields_of(raw, self._head.separator) if record.why else fields
-        if self._is_header(own):
+        if any(map(raw.__contains__, self._names)) and self._is_header(own):
             refuse_repeated(names_of(own))
             again = self._head.repeated | {raw.rstrip("\r\n")}
             self._begin(replace(self._head, names=names_of(own), repeated=again))
@@ -282,9 +282,8 @@ class Parser:
 
     def _is_header(self, fields: list[str]) -> bool:
         """Whether most fields are names of the header: it comes again, or another one comes in its place."""
-        assert self._head is not None
-        names = {field.strip() for field in fields} & set(self._head.names)
-        return 2 * len(names) > len(fields) and not any(map(is_value, fields))
+        own = self._names.intersection(map(str.strip, fields))
+        return 2 * len(own) > len(fields) and not any(map(is_value, fields))
 
     def _add_json(self, line: str, batch: Batch) -> None:
         if line.strip():
