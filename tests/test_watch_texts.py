@@ -18,18 +18,18 @@ def test_what_is_no_row_can_be_kept_with_its_reason(
     (tmp_path / "log.csv").write_bytes(text.encode() + b"\xff\xfe,1,2\n")
     words = ["log.csv", "--law", "linear", "--once", "-o", "out.csv", "--dead-letters", "aside.jsonl"]
     code, said = run("watch", *words)
-    assert (code, "6 rows, 6 corrected" in said, "3 set aside in aside.jsonl" in said) == (0, True, True)
+    assert (code, "7 rows, 6 corrected" in said, "2 set aside in aside.jsonl" in said) == (0, True, True)
+    assert table(tmp_path / "out.csv")[4] == ["1", "2", "", "", "", "", "temperature_C missing"]
     letters = lines(tmp_path / "aside.jsonl")
-    assert [letter["source"] for letter in letters] == ["log.csv"] * 3
-    assert letters[0]["text"] == "1,2\n"
-    assert "twice" in letters[1]["reason"]
-    assert "base64" in letters[2]
+    assert [letter["source"] for letter in letters] == ["log.csv"] * 2
+    assert "twice" in letters[0]["reason"]
+    assert "base64" in letters[1]
 
 
 def test_texts_are_written_as_they_are_or_set_aside(
     run: Run, tmp_path: Path, random: np.random.Generator
 ) -> None:
-    """A carriage return stays within its field; what is no UTF-8, or cut in a quoted field, is no row."""
+    """A carriage return stays within its field; what is no UTF-8, or has a stray mark, is no row."""
     first, *rest = (row | {"note": "n"} for row in log(random, 5))
     whole = csv([first, *rest])
     head, *rows = whole.encode().splitlines()
@@ -38,23 +38,25 @@ def test_texts_are_written_as_they_are_or_set_aside(
     (tmp_path / "log.csv").write_bytes(spoiled)
     words = ["log.csv", "--law", "linear", "--once", "-o", "out.csv", "--dead-letters", "aside.jsonl"]
     code, said = run("watch", *words)
-    assert (code, "2 rows, 2 corrected" in said, "3 set aside in aside.jsonl" in said) == (0, True, True)
+    assert (code, "3 rows, 2 corrected" in said, "2 set aside in aside.jsonl" in said) == (0, True, True)
     made = pd.read_csv(tmp_path / "out.csv", lineterminator="\n")
-    assert made["note"].tolist() == ["a\rb", '12" pipe']
-    assert ["no UTF-8" in letter["reason"] for letter in lines(tmp_path / "aside.jsonl")] == [
-        True,
-        False,
-        False,
-    ]
+    assert made["note"].tolist() == ["a\rb", '12" pipe', "cut"]
+    assert made["status"].tolist()[2] == "cut line"
+    reasons = [letter["reason"] for letter in lines(tmp_path / "aside.jsonl")]
+    assert ["no UTF-8" in reason for reason in reasons] == [True, False]
+    assert ["--encoding" in reason for reason in reasons] == [True, False]
 
 
 @pytest.mark.parametrize("encoding", ["latin-1", "utf-16", "utf-16-le"])
 def test_a_header_in_another_encoding_is_refused(encoding: str, run: Run, tmp_path: Path) -> None:
+    """With the option that reads it."""
     text = "time,échos_us,temperature_C\n2026-01-01T00:00:00Z,11660,20\n"
     (tmp_path / "log.csv").write_bytes(text.encode(encoding))
-    code, said = run("watch", "log.csv", "--law", "linear", "--once")
-    assert code == 3
-    assert "UTF-8" in said
+    words = ["watch", "log.csv", "--law", "linear", "--once", "--correct-only"]
+    code, said = run(*words)
+    assert (code, "--encoding" in said) == (3, True)
+    options = ["--encoding", encoding, "--column", "échos_us=echo_us"]
+    assert run(*words, *options) == (0, "1 rows, 1 corrected; 0 changes told\n")
 
 
 @pytest.mark.parametrize("blank", ["", " "])
@@ -101,10 +103,45 @@ def test_decimal_commas(separator: str, run: Run, tmp_path: Path, random: np.ran
         assert run("watch", source, *shared, *options, "-o", "out.jsonl")[0] == 0
         for row, own in zip(lines(tmp_path / "out.jsonl"), wanted, strict=True):
             assert [str(row["corrected_distance_m"]), row["status"]] == [own[0], own[2]]
-    assert run("watch", "log.jsonl", *shared, "-o", "out.jsonl")[0] == 0
+    code, said = run("watch", "log.jsonl", *shared, "-o", "out.jsonl")
+    assert (code, "no row could be corrected: 20 x echo_us is no number" in said) == (3, True)
+    assert "pass --decimal ," in said
     assert {row["status"] for row in lines(tmp_path / "out.jsonl")} == {"echo_us is no number"}
 
 
 def test_a_file_that_has_a_header_only(run: Run, tmp_path: Path) -> None:
     (tmp_path / "log.csv").write_text("time,echo_us,temperature_C,distance_m\n")
     assert run("watch", "log.csv", "--once")[1].startswith("0 rows")
+
+
+def test_a_field_that_goes_on_hides_nothing(run: Run, tmp_path: Path) -> None:
+    """The rows before it are corrected at once, with the comma that they show; it waits for its end."""
+    first = 'time;echo_us;temperature_C;note\n2026-01-01;11660,5;20;a\n2026-01-02;11660,5;20;"two\n'
+    words = ["log.csv", "--law", "linear", "--correct-only", "--once", "--state", "s.db", "-o", "out.jsonl"]
+    (tmp_path / "log.csv").write_text(first)
+    code, said = run("watch", *words)
+    assert (code, "ends within a line" in said, "1 rows, 1 corrected" in said) == (0, True, True)
+    (tmp_path / "log.csv").write_text(first + 'lines"\n2026-01-03;11660;20;"stray\n2026-01-04;11660;20;\n')
+    assert "line 5" in run("watch", *words)[1]
+    found = lines(tmp_path / "out.jsonl")
+    assert [row["note"] for row in found] == ["a", "two\nlines", ""]
+    assert all(row["corrected_distance_m"] > 2.0 for row in found)
+
+
+def test_a_watch_that_corrects_nothing_says_so(run: Run, tmp_path: Path) -> None:
+    """Not so once a row was corrected, by an earlier watch with the same state, too."""
+    words = ["log.csv", "--law", "linear", "--correct-only", "--once", "--state", "s.db"]
+    text = "echo_us,temperature_C\nfar,20\n11660\n"
+    for more, wanted, says in (
+        (
+            "",
+            3,
+            "no row could be corrected: 1 x echo_us is no number, first 'far'; 1 x temperature_C missing",
+        ),
+        ("11660,20\n", 0, "1 rows, 1 corrected"),
+        ("near,20\n", 0, "1 rows, 0 corrected"),
+    ):
+        text += more
+        (tmp_path / "log.csv").write_text(text)
+        code, said = run("watch", *words)
+        assert (code, says in said) == (wanted, True), said

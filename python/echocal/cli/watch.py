@@ -16,10 +16,12 @@ from echocal.cli._tables import (
     At,
     Columns,
     Decimal,
+    Encoding,
     Missing,
     Options,
     Quiet,
     ReadingSpeed,
+    SkipLines,
     TimeFormat,
     TimeZone,
     Trust,
@@ -28,6 +30,7 @@ from echocal.cli._tables import (
 )
 from echocal.cli._terminal import visible
 from echocal.errors import UsageError
+from echocal.observations.layout import Layout
 from echocal.watch import Event, Fleet, Reference, State, WatchSettings, models_of
 from echocal.watch.mqtt import Broker
 from echocal.watch.output import Growing, Stream, Table
@@ -130,7 +133,9 @@ def command(
     trust: Trust = None,
     reading_speed: ReadingSpeed = None,
     time_zone: TimeZone = "UTC",
+    skip_lines: SkipLines = 0,
     decimal: Decimal = None,
+    encoding: Encoding = "utf-8-sig",
     at: At = None,
     time_format: TimeFormat = None,
     file_of_options: Options = None,
@@ -168,6 +173,8 @@ def command(
         kept.check(
             {"reference": reference.kind, "false_alarms": false_alarms, "learn": learn, "by": by},
         )
+        layout = Layout(skip_lines, decimal, encoding)
+        kept.check({"skip_lines": skip_lines, "encoding": encoding})
         fleet = Fleet(
             models_of(one, models),
             by,
@@ -182,7 +189,7 @@ def command(
             decimal=decimal,
             mixed=mixed,
         )
-        rows = _source(source, kept, poll, client, once=once)
+        rows = _source(source, kept, poll, client, layout, once=once)
         if isinstance(rows, Broker):
             at_end.callback(rows.close)
         run = Run(
@@ -214,6 +221,8 @@ def _until_it_ends(run: Run, rows: Source, quiet: bool) -> None:
         with stop.later():
             run.end()
             _say(run.summary(), quiet)
+    if asked is None:
+        run.refuse_nothing()
     if asked is not None:
         raise asked
 
@@ -271,12 +280,12 @@ def _check_files(
             raise UsageError(message)
 
 
-def _source(source: str, kept: State, poll: float, client: str, *, once: bool) -> Source:
+def _source(source: str, kept: State, poll: float, client: str, layout: Layout, *, once: bool) -> Source:
     if source == "-":
-        return Lines(sys.stdin.buffer, poll)
+        return Lines(sys.stdin.buffer, poll, layout)
     if source.startswith(_BROKERS):
         return Broker(source, client, poll, kept)
-    return Files(Path(source), kept, poll, once=once)
+    return Files(Path(source), kept, poll, once=once, layout=layout)
 
 
 def _table(out: str | None, kept: State) -> Table | Stream | None:

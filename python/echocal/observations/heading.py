@@ -9,7 +9,7 @@ from echocal.errors import DataError
 from echocal.observations.layout import Head
 from echocal.observations.units_said import is_unit_row
 
-__all__ = ["SEPARATORS", "fields_of", "find_head", "is_value", "too_long"]
+__all__ = ["SEPARATORS", "decimal_of", "fields_of", "find_head", "is_value", "names_of", "too_long"]
 
 SEPARATORS = ",;\t|"
 _NUMBER = re.compile(r"[-+]?(?:\d[\d.,']*|[.,]\d+)(?:[eE][-+]?\d+)?")
@@ -107,7 +107,7 @@ def _labview(lines: Sequence[str], begin: int, skipped: int) -> Head:
 def _table(
     lines: Sequence[str], place: int, skipped: int, separator: str, below: int | None = None, kind: str = ""
 ) -> Head:
-    names = _names(fields_of(lines[place], separator))
+    names = names_of(fields_of(lines[place], separator))
     rest = lines[place + 1 :]
     if below is None:
         below = 0
@@ -125,7 +125,7 @@ def _table(
         names=names,
         below=below,
         units={name: unit for name, unit in units.items() if unit},
-        decimal=_decimal(rows, separator),
+        decimal=decimal_of(rows, separator) or ".",
         comments=not (rows and rows[0].startswith("#")),
         repeated=header,
         kind=kind or "delimited text",
@@ -135,12 +135,12 @@ def _table(
 def _nameless(lines: Sequence[str], skipped: int, separator: str, before: str) -> Head:
     """Rows from the first line on; the comment above them may have the names."""
     width = len(fields_of(lines[0], separator))
-    names = _names(fields_of(before.lstrip("#%/ "), separator)) if before else []
+    names = names_of(fields_of(before.lstrip("#%/ "), separator)) if before else []
     if len(names) == width and not any(map(is_value, names)):
         named = _table([before, *lines], 0, skipped - 1, separator)
         return Head(**{**vars(named), "names": names})
     names = [f"column {place}" for place in range(1, width + 1)]
-    decimal = _decimal(lines, separator)
+    decimal = decimal_of(lines, separator) or "."
     return Head(skipped, separator, names, decimal=decimal, kind="text without a header", nameless=True)
 
 
@@ -193,15 +193,17 @@ def _usual(lines: Sequence[str], separator: str) -> int:
     return counts.most_common(1)[0][0] if counts else 0
 
 
-def _decimal(rows: Sequence[str], separator: str) -> str:
-    """A comma, where fields are numbers with one and none has a point."""
+def decimal_of(rows: Sequence[str], separator: str) -> str:
+    """A comma, where fields are numbers with one and none has a point; empty where none has either."""
     if separator == ",":
         return "."
     fields = [field.strip() for line in rows for field in fields_of(line, separator)]
-    comma = any(map(_COMMA.fullmatch, fields)) and not any(map(_POINT.fullmatch, fields))
-    return "," if comma else "."
+    if any(map(_POINT.fullmatch, fields)):
+        return "."
+    return "," if any(map(_COMMA.fullmatch, fields)) else ""
 
 
-def _names(fields: Sequence[str]) -> list[str]:
+def names_of(fields: Sequence[str]) -> list[str]:
+    """Names of columns; one without a name has one by its place."""
     names = [field.strip() or f"Unnamed {position + 1}" for position, field in enumerate(fields)]
     return [names[0].removeprefix("% "), *names[1:]] if names else names

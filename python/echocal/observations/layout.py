@@ -12,7 +12,7 @@ import numpy as np
 
 from echocal.errors import UsageError
 
-__all__ = ["CUT_SIGN", "NO_SIGN", "Head", "Layout", "is_zipped", "no_encoding", "settled"]
+__all__ = ["CUT_SIGN", "NO_SIGN", "Head", "Layout", "is_zipped", "no_encoding", "seen_in", "settled"]
 
 CUT_SIGN = "echocal.cut_sign"
 """How a file that is cut within a sign is decoded; anything else that is no text is an error."""
@@ -131,7 +131,12 @@ def settled(path: Path, layout: Layout) -> Layout:
             sample: bytes = file.read(_SAMPLE)
     except (OSError, EOFError, zlib.error):
         return layout  # the reader tells
-    if sample.isascii() or 0 in sample:
+    return seen_in(sample, layout)
+
+
+def seen_in(sample: bytes, layout: Layout) -> Layout:
+    """The layout of a text that begins so; see `settled`."""
+    if layout.encoding != _DEFAULT or sample.isascii() or 0 in sample:
         return layout
     try:
         codecs.getincrementaldecoder("utf-8")().decode(sample)

@@ -14,9 +14,11 @@ from echocal.errors import DataError, UsageError
 from echocal.observations.fields import fields, row, shown
 from echocal.observations.silence import says_no_echo
 
-__all__ = ["EMPTY", "EXACT", "NO_NUMBER", "Missing", "is_damaged", "to_numbers"]
+__all__ = ["EMPTY", "EXACT", "NO_NUMBER", "NUMBER", "Missing", "is_damaged", "number_of", "to_numbers"]
 
 _GROUPED = re.compile(r"[-+]?\d{1,3}([.,' ])\d{3}(?:(?:\1\d{3})*(?!\1)[.,]\d+|(?:\1\d{3})+)")
+NUMBER = re.compile(r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?")
+_NOT_FINITE = re.compile(r"[-+]?(?:inf|infinity|nan)", re.IGNORECASE)  # what Arrow takes for numbers, too
 EXACT = 2.0**53
 """Integers of this size and more are not all floats: each that is not becomes one that is."""
 
@@ -81,6 +83,25 @@ class Missing:
     def numbers(self, column: str) -> list[float]:
         """Codes of a column that are numbers."""
         return [float(code) for code in self.texts(column) if _is_number(code)]
+
+
+def number_of(text: str, absent: Collection[str], decimal: str = ".") -> float | None:
+    """Number that a field is, NaN where it means "no value"; None where it is neither.
+
+    Examples
+    --------
+    >>> from echocal.observations.numbers import NO_NUMBER, number_of
+    >>> number_of("2,5", NO_NUMBER, ","), number_of("n/a", NO_NUMBER), number_of("far", NO_NUMBER)
+    (2.5, nan, None)
+    """
+    plain = text.strip()
+    if plain in absent:
+        return np.nan
+    if decimal != ".":
+        plain = plain.replace(decimal, ".")
+        if plain in absent:
+            return np.nan
+    return float(plain) if NUMBER.fullmatch(plain) or _NOT_FINITE.fullmatch(plain) else None
 
 
 def to_numbers(

@@ -22,12 +22,14 @@ from echocal.observations.heading import SEPARATORS, fields_of, find_head
 from echocal.observations.layout import CUT_SIGN, Head, Layout, is_zipped, no_encoding, settled
 from echocal.observations.numbers import EXACT
 from echocal.observations.quotes import Marks
+from echocal.observations.records import Records
 
-__all__ = ["Head", "Layout", "below", "head_of", "is_zipped", "no_text", "read", "resolved", "settled"]
+__all__ = ["FIRST", "Head", "Layout", "below", "head_in", "head_of", "is_zipped", "no_text", "read"]
+__all__ += ["resolved", "said_no_text", "settled"]
 
 _PART = 1 << 20  # characters that are searched at a time
 _TAIL = 1 << 14  # bytes at the end that are looked at
-_FIRST = 200  # lines that are looked at for the header
+FIRST = 200  # lines that are looked at for the header
 _LINE_END = re.compile(r"\r\n|\r|\n")  # of no other sign, unlike for str.splitlines
 
 
@@ -39,7 +41,19 @@ def head_of(path: Path, layout: Layout) -> Head:
     DataError
         If the file is not delimited text.
     """
-    skip, before, lines = _first_lines(path, layout)
+    with below(path, layout, layout.skip_lines) as file:
+        return head_in(list(islice(file, FIRST)), layout, str(path))
+
+
+def head_in(lines: list[str], layout: Layout, path: str) -> Head:
+    """Find the header in the first lines below those that are skipped.
+
+    Raises
+    ------
+    DataError
+        If there is none.
+    """
+    skip, before, lines = _first_lines(lines, layout.skip_lines, path)
     head = find_head(lines, skip, before)
     if layout.decimal is not None:
         head = replace(head, decimal=layout.decimal)
@@ -57,7 +71,7 @@ def head_of(path: Path, layout: Layout) -> Head:
         raise DataError(message)
     if not head.nameless and head.above > skip:
         header = lines[head.above - skip - 1]
-        Marks(str(path), head.separator, len(head.names)).rows([header], head.above)
+        Marks(path, head.separator, len(head.names)).rows([header], head.above)
     return head
 
 
@@ -218,14 +232,14 @@ class _Body:
         sound = io.StringIO(newline="")
         writer = csv.writer(sound, delimiter=self.head.separator, lineterminator="\n")
         count = 0
-        with self._lines() as lines:
-            for fields in _fields(lines, self.head.separator):
-                if not fields:
+        with below(self.path, self.layout, self.head.start) as file:
+            records = Records(str(self.path), self.head)
+            for record in records.of(file, self.head.start + 1):
+                if not record.is_row:
                     continue
-                if len(fields) > self.width and any(text.strip() for text in fields[self.width :]):
+                if record.why == CORRUPT:
                     self.corrupt[count] = CORRUPT
-                    fields = [""] * self.width
-                writer.writerow(fields[: self.width])
+                writer.writerow([""] * self.width if record.why == CORRUPT else records.fields(record.text))
                 count += 1
         if 2 * len(self.corrupt) >= count:
             return None
@@ -233,26 +247,9 @@ class _Body:
         return sound
 
 
-def _fields(lines: TextIO, separator: str) -> Iterator[list[str]]:
-    reader = csv.reader(lines, delimiter=separator, skipinitialspace=True)
-    while True:
-        try:
-            yield next(reader)
-        except StopIteration:
-            return
-        except csv.Error:
-            message = (
-                f"line {reader.line_num} has a field of more than {csv.field_size_limit():,} characters, "
-                "which no table of measurements has; remove it"
-            )
-            raise DataError(message) from None
-
-
-def _first_lines(path: Path, layout: Layout) -> tuple[int, str, list[str]]:
+def _first_lines(lines: list[str], skip: int, path: str) -> tuple[int, str, list[str]]:
     """Lines above the first that is no comment, the last of those, and that line with some after it."""
-    skip, before = layout.skip_lines, ""
-    with below(path, layout, skip) as file:
-        lines = list(islice(file, _FIRST))
+    before = ""
     while lines and (lines[0].startswith("#") or not lines[0].strip()):
         skip += 1
         before = lines.pop(0).strip()
@@ -271,11 +268,16 @@ def _first_lines(path: Path, layout: Layout) -> tuple[int, str, list[str]]:
 
 def no_text(path: Path, layout: Layout) -> str:
     """Say that a file is not text in its encoding."""
-    encoding = layout.encoding.removesuffix("-sig")
     with path.open("rb") as file:
-        wide = file.read(2) in {b"\xff\xfe", b"\xfe\xff"}
+        return said_no_text(str(path), layout.encoding, file.read(2))
+
+
+def said_no_text(name: str, encoding: str, begins: bytes) -> str:
+    """The same of a text by its name and what it begins with."""
+    encoding = encoding.removesuffix("-sig")
+    wide = begins[:2] in {b"\xff\xfe", b"\xfe\xff"}
     likely = "utf-16" if wide else "latin-1 (or cp1252, utf-16, ...)"
-    return f"{path} is not text in {encoding}: a binary file, or name the encoding: --encoding {likely}"
+    return f"{name} is not text in {encoding}: a binary file, or name the encoding: --encoding {likely}"
 
 
 @contextmanager

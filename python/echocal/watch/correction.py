@@ -42,6 +42,10 @@ class Entry:
         Those of `RATES`, NaN where one is not known.
     untimed : str
         Why it has no time.
+    units : mapping of str to str
+        Units that its log gives beside the names of columns.
+    why : str
+        Why it cannot be read.
     columns : Columns or None
     numbers : dict of str to float
         By column.
@@ -58,6 +62,8 @@ class Entry:
     time: float = np.nan
     rates: list[float] = field(default_factory=lambda: [np.nan] * len(RATES))
     untimed: str = ""
+    units: Mapping[str, str] = field(default_factory=dict)
+    why: str = ""
     columns: Columns | None = None
     numbers: dict[str, float] = field(default_factory=dict)
     damaged: list[str] = field(default_factory=list)
@@ -66,18 +72,18 @@ class Entry:
     def read(self, reader: Reader) -> "Entry":
         """Read its fields."""
         try:
-            self.columns = reader.columns(list(self.row))
+            self.columns = reader.columns(list(self.row), self.units)
         except DataError as error:
             self.problem = str(error)
             return self
-        self.problem = "" if self.columns.has_echo else NO_ECHO
+        self.problem = self.why or ("" if self.columns.has_echo else NO_ECHO)
         self.numbers, self.damaged = reader.read(self.row, self.columns, self.decimal)
         return self
 
     def to_list(self) -> list[Any]:
         """As plain data, without what `read` finds."""
         plain = [self.number, self.place, self.decimal, self.time, self.rates, self.untimed]
-        return [dict(self.row), *plain]
+        return [dict(self.row), *plain, dict(self.units), self.why]
 
 
 @dataclass

@@ -30,6 +30,7 @@ __all__ = ["Fleet"]
 _NO_KEY = "no key"
 
 Told = list[tuple[int, Event]]
+Units = Mapping[str, str] | None
 
 
 @dataclass
@@ -122,7 +123,7 @@ class Fleet:
             return str(error)
         return "" if columns.has_echo else f"{NO_ECHO}; it has {', '.join(row):.200}"
 
-    def meet(self, rows: Sequence[Row]) -> list[Event]:
+    def meet(self, rows: Sequence[Row], whys: Sequence[str] = ()) -> list[Event]:
         """Know the sensors of rows: with the state of a former watch, or anew.
 
         Raises
@@ -130,13 +131,18 @@ class Fleet:
         DataError
             If the state is of another model, or the model of all sensors cannot be watched.
         """
-        ids = (self._id(row) for row in rows)
+        ids = (self._id(row, why) for row, why in zip(rows, whys or [""] * len(rows), strict=True))
         return [event for id_ in dict.fromkeys(ids) if id_ is not None for event in self._known(id_)]
 
-    def take(self, rows: Sequence[Row], decimal: str = ".") -> tuple[list[Row], list[Event]]:
+    def take(
+        self, rows: Sequence[Row], decimal: str = ".", units: Units = None, whys: Sequence[str] = ()
+    ) -> tuple[list[Row], list[Event]]:
         """Correct rows, and test them: rows with three columns more, and what there is to tell.
 
         Rows whose marks look at rows after them come when these have come; see `finish`.
+
+        Their log says the `decimal` separator of texts and `units` by column; `whys` are reasons why rows
+        cannot be read, empty where they can.
 
         Raises
         ------
@@ -145,20 +151,20 @@ class Fleet:
         """
         if not rows:
             return [], []
-        told: Told = [(-1, event) for event in (*self._check(rows), *self.meet(rows))]
+        told: Told = [(-1, event) for event in (*self._check(rows, units), *self.meet(rows, whys))]
         place = int(self.state.fact("place") or 0)
         self.state.set_fact("place", place + len(rows))
         lost: list[Done] = []
         own: dict[str, list[Entry]] = {}
-        for row in rows:
-            place, id_ = place + 1, self._id(row)
+        for row, why in zip(rows, whys or [""] * len(rows), strict=True):
+            place, id_ = place + 1, self._id(row, why)
             sensor = None if id_ is None else self._sensors[id_]
             if id_ is None or sensor is None:
-                why = _NO_KEY if id_ is None else f"no model for sensor {id_}"
+                why = why or (_NO_KEY if id_ is None else f"no model for sensor {id_}")
                 lost.append(Done(Entry(row, 0, place), None, why, released=place))
                 continue
             sensor.rows += 1
-            entry = Entry(row, sensor.rows, place, self.decimal or decimal)
+            entry = Entry(row, sensor.rows, place, self.decimal or decimal, units=units or {}, why=why)
             own.setdefault(id_, []).append(entry.read(self._reader))
         sensors = [sensor for id_ in own if (sensor := self._sensors[id_])]
         for sensor in sensors:
@@ -283,7 +289,7 @@ class Fleet:
         options = {
             name: value for name, value in self.options.items() if name not in {"missing", "time_format"}
         }
-        asked = {**(options.get("columns") or {}), "time": "time", "time_s": "time_s"}
+        asked = {**(options.get("columns") or {}), **sensor.requests, "time": "time", "time_s": "time_s"}
         away = [name for name in (self.by, self.reference.target, "topic") if name]
         columns = {**asked, **dict.fromkeys(away, "ignore")}
         options["columns"] = {name: said for name, said in columns.items() if name in names}
@@ -293,9 +299,9 @@ class Fleet:
         options["constant_distance"] = self.reference.kind == "constant"
         return verdict.told(sensor, rows, row, options)
 
-    def _id(self, row: Row) -> str | None:
-        """Id of the sensor of a row; None where it has none."""
-        return "" if self.by is None else _id_of(row.get(self.by)) or None
+    def _id(self, row: Row, why: str) -> str | None:
+        """Id of the sensor of a row; None where it has none, or its fields cannot be told apart."""
+        return "" if self.by is None else (not why and _id_of(row.get(self.by))) or None
 
     def _known(self, id_: str) -> list[Event]:
         """A sensor's state, on its first row: that of a former watch, or a new one."""
@@ -332,7 +338,7 @@ class Fleet:
         self._sensors[id_] = sensor
         return notes
 
-    def _check(self, rows: Sequence[Row]) -> list[Event]:
+    def _check(self, rows: Sequence[Row], units: Units) -> list[Event]:
         """Refuse, on the first rows, what no test is possible with; tell it where rows are of many kinds."""
         if self._checked:
             return []
@@ -346,10 +352,10 @@ class Fleet:
                     f"a row has no sensor id in the column '{self.by}' of --by; it has {', '.join(names)}"
                 )
                 raise DataError(message)
-            known = {name for row in rows for name in self._reader.columns(list(row)).plan.assignments}
+            known = {name for row in rows for name in self._reader.columns(list(row), units).plan.assignments}
             asked = list(self.options.get("columns") or ())
             refuse_columns(names, asked, known, RESULTS, self.reference, self.interval)
-            self._refuse_no_echo(rows[0])
+            self._refuse_no_echo(rows[0], units)
         except (DataError, UsageError) as error:
             if not self.mixed:
                 raise
@@ -357,11 +363,12 @@ class Fleet:
         self.state.set_fact("begun", True)
         return []
 
-    def _refuse_no_echo(self, row: Row) -> None:
-        if not self._reader.columns(list(row)).has_echo:
+    def _refuse_no_echo(self, row: Row, units: Units) -> None:
+        columns = self._reader.columns(list(row), units)
+        if not columns.has_echo:
             from echocal.observations import read_observations
 
-            requests = self._reader.columns(list(row)).requests
+            requests = columns.requests
             read_observations({name: [1.0] for name in row}, requests)  # it says what could be one
             raise DataError(NO_ECHO)
 

@@ -1,39 +1,51 @@
-"""From lines and messages to rows; what is none has a reason."""
+"""From bytes to rows, by the parsing of `echocal correct`; what is no row has a reason."""
 
-import csv
+import codecs
+import io
 import json
-import re
-from dataclasses import dataclass, field
-from typing import Any
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any, NamedTuple
 
+from echocal.correct.needed import refuse_repeated
 from echocal.errors import DataError
-from echocal.observations.heading import is_value
+from echocal.observations.found import CUT
+from echocal.observations.heading import decimal_of, fields_of, is_value, names_of
+from echocal.observations.layout import Head, Layout, seen_in
+from echocal.observations.records import Record, Records
+from echocal.observations.text import FIRST, head_in, said_no_text
 from echocal.watch.rows import Row
 
-__all__ = ["Batch", "Parser", "Unread", "json_of", "parsed"]
+__all__ = ["Arrival", "Batch", "Parser", "Unread", "json_of", "parsed"]
 
-_COMMA = re.compile(r"\s*[-+]?\d*,\d+\s*")
-_POINT = re.compile(r"\s*[-+]?\d*\.\d+(?:[eE][-+]?\d+)?\s*")
+_MOST = 2000  # rows of a batch: what a stop by force repeats at most
+_FEW = 20  # lines among which there is a header, or none comes
 _DEEPEST = 100  # lists and objects in each other: what writes them again stands on a stack of its own
 _SHOWN = 80  # letters of a text that a message shows
+_KEPT = "surrogateescape"  # a byte that is no text stays, so that its line can be set aside as it is
+_MARKS = {
+    "utf-8-sig": {codecs.BOM_UTF8: "utf-8", b"": "utf-8"},
+    "utf-16": {codecs.BOM_UTF16_BE: "utf-16-be", codecs.BOM_UTF16_LE: "utf-16-le", b"": "utf-16-le"},
+    "utf-32": {codecs.BOM_UTF32_BE: "utf-32-be", codecs.BOM_UTF32_LE: "utf-32-le", b"": "utf-32-le"},
+}
+"""What a text in an encoding may begin with, and the encoding of what follows."""
 
 
-@dataclass(frozen=True)
-class Unread:
-    """What is no row.
-
-    Attributes
-    ----------
-    source : str
-        File or topic.
-    reason : str
-    text : bytes
-        As it came.
-    """
+class Unread(NamedTuple):
+    """What is no row: where it came from, why it is none, and its text as it came."""
 
     source: str
     reason: str
     text: bytes
+
+
+class Arrival(NamedTuple):
+    """A row, what it was made of, where it came from, and why `echocal correct` would not read it."""
+
+    row: Row
+    text: bytes
+    source: str
+    why: str = ""
 
 
 @dataclass
@@ -42,110 +54,266 @@ class Batch:
 
     Attributes
     ----------
-    rows : list of Row
-    texts : list of bytes
-        What each row was made of.
+    rows : list of Arrival
     unread : list of Unread
-    source : str
     decimal : str
         Decimal separator of texts.
+    units : mapping of str to str
+        Units that a line below the header gives, by column.
     notes : list of str
     """
 
-    rows: list[Row] = field(default_factory=list)
-    texts: list[bytes] = field(default_factory=list)
+    rows: list[Arrival] = field(default_factory=list)
     unread: list[Unread] = field(default_factory=list)
-    source: str = ""
     decimal: str = "."
+    units: Mapping[str, str] = field(default_factory=dict)
     notes: list[str] = field(default_factory=list)
 
     def __bool__(self) -> bool:
         return bool(self.rows or self.unread or self.notes)
 
     def add(self, row: Row | None, why: str, text: bytes, source: str) -> None:
-        """Add a row, or why a text is none; nothing for a header."""
+        """Add a row, or why a text is none."""
         if row is not None:
-            self.rows.append(row)
-            self.texts.append(text)
-        elif why:
+            self.rows.append(Arrival(row, text, source, why))
+        else:
             self.unread.append(Unread(source, why, text))
 
 
 class Parser:
-    """From lines to rows: JSON where a line begins with a brace, else fields below a header.
+    """From the bytes of one source to rows: JSON where a line begins with a brace, else below a header.
 
     Parameters
     ----------
-    separator : str
-    header : list of str or None
-        None: the next line is one.
-    decimal : str
-        Decimal separator, as far as it was seen; empty for not yet.
+    source : str
+        File or stream.
+    layout : Layout
+        How its text is written.
+    only_json : bool
+        Whether every line is JSON.
+    kept : mapping, optional
+        What `to_dict` gave.
+
+    Attributes
+    ----------
+    line : int
+        Lines that were taken.
     """
 
-    def __init__(self, separator: str = ",", header: list[str] | None = None, decimal: str = "") -> None:
-        self.separator, self.header, self.decimal = separator, header, decimal
+    def __init__(
+        self, source: str, layout: Layout, *, only_json: bool = False, kept: Mapping[str, Any] | None = None
+    ) -> None:
+        self._source, self._layout, self._only_json = source, layout, only_json
+        new: dict[str, Any] = {
+            "encoding": "",
+            "sure": False,
+            "decimal": layout.decimal or "",
+            "line": 0,
+            "head": None,
+        }
+        plain: Mapping[str, Any] = kept or new
+        self._encoding, self._sure = str(plain["encoding"]), bool(plain["sure"])
+        self._decimal, self.line = str(plain["decimal"]), int(plain["line"])
+        self._head: Head | None = None
+        if plain["head"] is not None:
+            self._begin(Head(**{**plain["head"], "repeated": frozenset(plain["head"]["repeated"])}))
 
-    def batch(self, lines: list[bytes], source: str) -> Batch:
-        """Rows of whole lines."""
-        found = Batch(source=source)
-        for line in lines:
-            row, why = self.row(line)
-            found.add(row, why, line, source)
-        found.decimal = self.decimal or "."
-        return found
+    @property
+    def begun(self) -> bool:
+        """Whether the header was found; lines of JSON need none."""
+        return self._only_json or self._head is not None
 
-    def row(self, line: bytes) -> tuple[Row | None, str]:
-        """A row, or why the line is none; neither for a header or an empty line."""
-        text = line.decode("utf-8", errors="replace").strip("\r\n\ufeff")
-        why = no_utf8(line) if "\ufffd" in text else ""
-        if self.header is None and (why or "\0" in text):
-            message = f"the header is no text in UTF-8, in which a watched file must be: {text[:_SHOWN]}"
-            raise DataError(message)
-        if why:
-            return None, f"{why}: {text[:_SHOWN]}"
-        if not text.strip() or text.startswith("#"):
-            return None, ""
-        if text.lstrip().startswith("{"):
-            return parsed(line)
+    def to_dict(self) -> dict[str, Any]:
+        """As plain data."""
+        head = self._head and {**vars(self._head), "repeated": sorted(self._head.repeated)}
+        own = {"encoding": self._encoding, "sure": self._sure, "decimal": self._decimal, "line": self.line}
+        return {**own, "head": head}
+
+    def batches(self, data: bytes, *, final: bool) -> Iterator[tuple[Batch, int]]:
+        """Rows of the whole lines at the beginning of some bytes, and how many bytes they are.
+
+        Parameters
+        ----------
+        data : bytes
+            What follows the lines so far.
+        final : bool
+            Whether nothing comes behind it: then the last line is whole without an end.
+
+        Raises
+        ------
+        DataError
+            If the header is no text, or none that `echocal correct` reads.
+        """
+        marked = self._open(data, final)
+        if marked is None:
+            return
+        lines = list(io.StringIO(self._decoded(data[marked:], final), newline=""))
+        if lines and not final and not lines[-1].endswith("\n"):
+            lines.pop()  # also one with a carriage return, which a line feed may follow
+        at, before = 0, self.line
+        while at < len(lines):
+            batch = Batch()
+            end = self._some(lines, at, before, batch, final)
+            if end == at:
+                return
+            size = marked + len("".join(lines[at:end]).encode(self._encoding, _KEPT))
+            at, marked, self.line = end, 0, before + end
+            self._see(batch)
+            batch.decimal = self._decimal or "."
+            batch.units = {} if self._head is None else self._head.units
+            yield batch, size
+
+    def _open(self, data: bytes, final: bool) -> int | None:
+        """Bytes of the mark that a text begins with; None where that is not known yet."""
+        marked = 0
+        if not self._encoding:
+            if len(data) < 4 and not final:
+                return None
+            name = codecs.lookup(self._layout.encoding).name
+            marks = _MARKS.get(name, {b"": name})
+            mark = next(mark for mark in marks if data.startswith(mark))
+            marked, self._encoding = len(mark), marks[mark]
+            self._sure = bool(mark) or name != "utf-8-sig"
+        if not self._sure and not data.isascii():
+            seen = seen_in(data, self._layout).encoding
+            self._encoding, self._sure = self._encoding if seen == self._layout.encoding else seen, True
+        return marked
+
+    def _decoded(self, data: bytes, final: bool) -> str:
         try:
-            fields = next(csv.reader([text], delimiter=self.separator, strict=True))
-        except csv.Error as error:
-            return None, f"a line cannot be cut into fields ({error}): {text[:_SHOWN]}"
-        if self.header is None or self._is_header(fields):
-            self._begin(text, fields)
-            return None, ""
-        if len(fields) != len(self.header):
-            return None, f"a line has {len(fields)} fields, its header {len(self.header)}: {text[:_SHOWN]}"
-        self._see(fields)
-        return dict(zip(self.header, fields, strict=True)), ""
+            return codecs.getincrementaldecoder(self._encoding)(_KEPT).decode(data, final)
+        except UnicodeError:
+            raise DataError(said_no_text(self._source, self._layout.encoding, data)) from None
+
+    def _some(self, lines: list[str], at: int, before: int, batch: Batch, final: bool) -> int:
+        """Take lines until a batch is full; the place of the next one."""
+        while at < len(lines) and len(batch.rows) < _MOST:
+            if before + at < self._layout.skip_lines:
+                at += 1
+                continue
+            if self._only_json or (self._head is None and lines[at].lstrip().startswith("{")):
+                self._add_json(lines[at], batch)
+                at += 1
+                continue
+            end = (
+                self._rows(lines, at, before, batch, final)
+                if self._head is not None
+                else self._look(lines, at, before, final)
+            )
+            if end == at:
+                break
+            at = end
+        return at
+
+    def _look(self, lines: list[str], at: int, before: int, final: bool) -> int:
+        """Find the header; no line is taken while it may be another one that comes."""
+        first = lines[at : at + FIRST]
+        told = [line for line in first if line.strip() and not line.startswith("#")]
+        if not told:
+            return len(lines) if final else at
+        if not _is_text(told[0]):
+            raise DataError(said_no_text(self._source, self._layout.encoding, told[0].encode("utf-8", _KEPT)))
+        try:
+            head = head_in(first, replace(self._layout, skip_lines=before + at), self._source)
+        except DataError:
+            if final or len(told) >= _FEW or "\0" in told[0]:
+                raise
+            return at
+        if head.nameless:
+            message = (
+                f"{self._source} is text without a header, which cannot be watched: write the names of its "
+                "columns into a first line"
+            )
+            raise DataError(message)
+        below = [line for line in first[head.start - before - at :] if line.strip()]
+        if not final and len(first) < FIRST and not any(_fits(line, head) for line in below):
+            return at
+        refuse_repeated(head.names)
+        self._decimal = self._layout.decimal or decimal_of(below, head.separator)
+        self._begin(head)
+        return head.start - before
+
+    def _begin(self, head: Head) -> None:
+        self._head, self._names = head, set(head.names)
+        self._records = Records(
+            self._source, head, lambda line: head.is_no_row(line) or line.lstrip().startswith("{")
+        )
+
+    def _rows(self, lines: list[str], at: int, before: int, batch: Batch, final: bool) -> int:
+        """Take rows below a header; the place of the next line."""
+        assert self._head is not None
+        rest = (lines[place] for place in range(at, len(lines)))
+        try:
+            for record in self._records.of(rest, before + at + 1):
+                if record.why == CUT and not final:
+                    return at  # a quoted field that goes on
+                if not self._take(record, batch):
+                    return at + len(record.held)
+                at += len(record.held)
+                if len(batch.rows) == _MOST:
+                    break
+        except DataError as error:  # of one line: the others go on
+            batch.add(None, str(error), lines[at].encode("utf-8", _KEPT), self._source)
+            at += 1
+        return at
+
+    def _take(self, record: Record, batch: Batch) -> bool:
+        """Take a row or a line that is none; not so for another header, below which all is new."""
+        assert self._head is not None
+        raw = record.held[0] if len(record.held) == 1 else "".join(record.held)
+        if not record.is_row:
+            if raw.lstrip().startswith("{") and not self._head.is_no_row(raw.rstrip("\r\n")):
+                self._add_json(raw, batch)
+            return True
+        fields = self._records.fields(record.text)
+        own = fields_of(raw, self._head.separator) if record.why else fields
+        if any(map(raw.__contains__, self._names)) and self._is_header(own):
+            refuse_repeated(names_of(own))
+            again = self._head.repeated | {raw.rstrip("\r\n")}
+            self._begin(replace(self._head, names=names_of(own), repeated=again))
+            return False
+        text = raw.encode("utf-8", _KEPT)
+        if not _is_text(raw):
+            how = "; if the file is in another encoding: --encoding latin-1 (or cp1252, utf-16, ...)"
+            batch.add(None, f"{no_utf8(text) or 'no text'}{how}: {_shown(text)}", text, self._source)
+        else:
+            batch.add(dict(zip(self._head.names, fields, strict=True)), record.why, text, self._source)
+        return True
 
     def _is_header(self, fields: list[str]) -> bool:
         """Whether most fields are names of the header: it comes again, or another one comes in its place."""
-        names = {field.strip() for field in fields}
-        return 2 * len(names & set(self.header or ())) > len(fields) and not any(map(is_value, fields))
+        own = self._names.intersection(map(str.strip, fields))
+        return 2 * len(own) > len(fields) and not any(map(is_value, fields))
 
-    def _begin(self, text: str, fields: list[str]) -> None:
-        if ";" in text and len(fields) == 1:
-            self.separator = ";"
-            fields = next(csv.reader([text], delimiter=";"))
-        self.header = [field.strip() for field in fields]
-        if len(set(self.header)) < len(self.header):
-            message = f"the header names a column twice: {text[:200]}"
-            raise DataError(message)
+    def _add_json(self, line: str, batch: Batch) -> None:
+        if line.strip():
+            text = line.encode("utf-8", _KEPT)
+            batch.add(*parsed(text), text, self._source)
 
-    def _see(self, fields: list[str]) -> None:
-        """See the decimal separator in the first line that has one."""
-        if self.decimal or self.separator == ",":
-            return
-        if any(map(_POINT.fullmatch, fields)):
-            self.decimal = "."
-        elif any(map(_COMMA.fullmatch, fields)):
-            self.decimal = ","
+    def _see(self, batch: Batch) -> None:
+        """See the decimal separator in the first rows that have one, as far as `echocal correct` looks."""
+        if self._head is not None and not self._decimal:
+            rows = [arrival.text.decode("utf-8", "replace") for arrival in batch.rows]
+            self._decimal = decimal_of(rows, self._head.separator) or ("." if self.line > FIRST else "")
 
-    def to_dict(self) -> dict[str, Any]:
-        """As plain data: the arguments of another one that goes on."""
-        return dict(vars(self))
+
+def _fits(line: str, head: Head) -> bool:
+    """Whether a line is a row below a header, so that this is the header."""
+    fields = fields_of(line.rstrip("\r\n"), head.separator)
+    while fields and not fields[-1].strip():
+        fields.pop()
+    if not 0 < len(fields) <= len(head.names) or any(map(is_value, head.names)):
+        return False
+    return any(map(is_value, fields))
+
+
+def _is_text(line: str) -> bool:
+    """Whether each byte is a part of a sign."""
+    return line.isascii() or not any("\udc80" <= sign <= "\udcff" for sign in line)
+
+
+def _shown(text: bytes) -> str:
+    return text[:_SHOWN].decode("utf-8", errors="replace").rstrip("\r\n")
 
 
 def parsed(text: bytes) -> tuple[Row | None, str]:

@@ -1,6 +1,5 @@
 """The fields of rows as they come, each read by itself: the rows around it change nothing."""
 
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -8,9 +7,10 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from echocal.observations.found import Found
 from echocal.observations.hints import completed
 from echocal.observations.names import EXTRA, IGNORE, by_request
-from echocal.observations.numbers import NO_NUMBER, Missing
+from echocal.observations.numbers import NO_NUMBER, Missing, number_of
 from echocal.observations.plan import Assignment, Plan, make, read_columns
 from echocal.quantities import QUANTITIES
 
@@ -19,7 +19,6 @@ __all__ = ["Columns", "Reader", "Row", "conditions_of", "in_range", "refused_nam
 Row = Mapping[str, Any]
 
 _ECHOES = ("echo_time", "reading")
-_NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
 _PLANS = 256  # sets of columns that are remembered
 _LONGEST = 1000  # letters of a name, and fields of a row: what reads names takes the square of that
 
@@ -84,24 +83,25 @@ class Reader:
                 by_request(name, request)
         self.ignored = tuple(ignored)
         self.missing = Missing(missing)
-        self._known: dict[frozenset[str], Columns] = {}
+        self._known: dict[tuple[frozenset[str], tuple[tuple[str, str], ...]], Columns] = {}
         self._codes: dict[str, tuple[frozenset[str], frozenset[float]]] = {}
 
-    def columns(self, names: Sequence[str]) -> Columns:
-        """What columns are, by their names.
+    def columns(self, names: Sequence[str], units: Mapping[str, str] | None = None) -> Columns:
+        """What columns are, by their names, and by units that a log gives beside them.
 
         Raises
         ------
         DataError
             If a name has no known unit, or two hold the same quantity.
         """
-        key = frozenset(names)
+        said = units or {}
+        key = frozenset(names), tuple(said.items())
         if key not in self._known:
             if len(self._known) >= _PLANS:
                 self._known.pop(next(iter(self._known)))
-            requests = {name: said for name, said in self.requests.items() if name in key}
-            requests |= dict.fromkeys((name for name in self.ignored if name in key), IGNORE)
-            requests, _ = completed(names, requests)
+            requests = {name: own for name, own in self.requests.items() if name in key[0]}
+            requests |= dict.fromkeys((name for name in self.ignored if name in key[0]), IGNORE)
+            requests, _ = completed(names, requests, Found(units=said))
             self._known[key] = Columns(tuple(names), requests, make(names, requests))
         return self._known[key]
 
@@ -135,7 +135,7 @@ class Reader:
             self._codes[column] = NO_NUMBER | texts, frozenset(numbers)
         texts, codes = self._codes[column]
         if isinstance(field, str):
-            number = _of_text(field.strip(), texts, decimal)
+            number = number_of(field, texts, decimal)
         elif field is None or field is pd.NA or field is pd.NaT:
             return np.nan
         elif isinstance(field, bool | np.bool_) or not hasattr(field, "__float__"):
@@ -148,14 +148,6 @@ class Reader:
             except (TypeError, ValueError):
                 return None
         return np.nan if number in codes else number
-
-
-def _of_text(text: str, absent: frozenset[str], decimal: str) -> float | None:
-    if text in absent:
-        return np.nan
-    if decimal != "." and "." not in text:
-        text = text.replace(decimal, ".", 1)
-    return float(text) if _NUMBER.fullmatch(text) else None
 
 
 def _odd_number(text: str) -> float | None:

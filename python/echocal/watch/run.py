@@ -3,15 +3,17 @@
 import json
 import sqlite3
 from base64 import b64encode
+from collections import Counter
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from datetime import UTC, datetime
 
+from echocal.correct.results import DISTANCE, STATUS
 from echocal.errors import DataError, UsageError
 from echocal.watch.events import Event
 from echocal.watch.fleet import Fleet
 from echocal.watch.output import Growing, Stream, Table
-from echocal.watch.parser import Batch, Unread
+from echocal.watch.parser import Arrival, Batch, Unread
 from echocal.watch.rows import Row, refused_names
 from echocal.watch.sensor import RESULTS
 from echocal.watch.source import Source
@@ -51,6 +53,8 @@ class Run:
     changes: int = 0
     aside: int = 0
     _counts: tuple[int, int, int] = (0, 0, 0)
+    _lost: Counter[str] = field(default_factory=Counter)
+    _first: dict[str, str] = field(default_factory=dict)
 
     def take(self, batch: Batch) -> None:
         """Deal with a batch. What one row breaks concerns that row only.
@@ -64,7 +68,7 @@ class Run:
             self.say(text)
         rows, aside = self._screened(batch)
         try:
-            self._done([row for row, _ in rows], batch.decimal, aside)
+            self._done(rows, batch, aside)
         except (UsageError, OSError, sqlite3.OperationalError):
             raise
         except Exception as error:
@@ -73,10 +77,11 @@ class Run:
             self._back()
             self._one_by_one(rows, batch, aside)
 
-    def _screened(self, batch: Batch) -> tuple[list[tuple[Row, bytes]], list[Unread]]:
+    def _screened(self, batch: Batch) -> tuple[list[Arrival], list[Unread]]:
         """Rows with what they were made of, and what is none."""
         rows, aside = [], list(batch.unread)
-        for row, text in zip(batch.rows, batch.texts, strict=True):
+        for arrival in batch.rows:
+            row = arrival.row
             if self.fleet.mixed:
                 why = self.fleet.refusal(row)
                 if not why and isinstance(self.table, Table):  # not later, when it has waited among others
@@ -84,29 +89,30 @@ class Run:
             else:  # the first rows of a table are refused as a whole
                 why = refused_names(row, RESULTS) if self.fleet.state.fact("begun") else ""
             if why:
-                aside.append(Unread(str(row.get("topic", batch.source)), why, text))
+                aside.append(Unread(arrival.source, why, arrival.text))
             else:
-                rows.append((row, text))
+                rows.append(arrival)
         return rows, aside
 
-    def _one_by_one(self, rows: list[tuple[Row, bytes]], batch: Batch, aside: list[Unread]) -> None:
+    def _one_by_one(self, rows: list[Arrival], batch: Batch, aside: list[Unread]) -> None:
         """Try each row by itself, and set aside what fails."""
-        self._done([], batch.decimal, aside)
-        for row, text in rows:
-            self.fleet.meet([row])  # what fails here is no fault of the row
+        self._done([], batch, aside)
+        for arrival in rows:
+            self.fleet.meet([arrival.row])  # what fails here is no fault of the row
             self.fleet.forget()
             try:
-                self._done([row], batch.decimal, [])
+                self._done([arrival], batch, [])
             except (UsageError, OSError, sqlite3.OperationalError):
                 raise
             except Exception as error:
                 self._back()
                 why = str(error) if isinstance(error, DataError) else f"{type(error).__name__}: {error}"
-                self._done([], batch.decimal, [Unread(str(row.get("topic", batch.source)), why, text)])
+                self._done([], batch, [Unread(arrival.source, why, arrival.text)])
 
-    def _done(self, rows: list[Row], decimal: str, aside: list[Unread]) -> None:
+    def _done(self, rows: list[Arrival], batch: Batch, aside: list[Unread]) -> None:
         """Correct rows, write everything, and commit it."""
-        corrected, news = self.fleet.take(rows, decimal)
+        own, whys = [arrival.row for arrival in rows], [arrival.why for arrival in rows]
+        corrected, news = self.fleet.take(own, batch.decimal, batch.units, whys)
         self._write(corrected, news, aside)
         self.source.done(self.fleet.state)
         self.fleet.state.commit()
@@ -115,6 +121,14 @@ class Run:
 
     def _write(self, corrected: list[Row], news: list[Event], aside: list[Unread]) -> None:
         state = self.fleet.state
+        if not state.fact("corrected"):
+            if any(row[DISTANCE] is not None for row in corrected):
+                state.set_fact("corrected", True)
+            for row in corrected:
+                self._lost[row[STATUS]] += 1
+                self._first.setdefault(
+                    row[STATUS], str(row.get(row[STATUS].removesuffix(" is no number"), ""))
+                )
         if self.table is not None:
             self.table.write(corrected)
         if self.events is not None:
@@ -170,6 +184,23 @@ class Run:
             where = "" if self.letters is None else f" in {self.letters.path}"
             said.append(f"{self.aside} set aside{where}")
         return "; ".join(said)
+
+    def refuse_nothing(self) -> None:
+        """Refuse to call rows done if none was corrected, nor by an earlier watch with this state.
+
+        Raises
+        ------
+        DataError
+            With the reasons.
+        """
+        if self.fleet.state.fact("corrected") or not (self._lost or self.aside):
+            return
+        most = [(why, rows, self._first[why]) for why, rows in self._lost.most_common(3)]
+        said = [f"{rows} x {why}" + (f", first {field!r:.80}" if field else "") for why, rows, field in most]
+        said += [f"{self.aside} lines are no rows"] if self.aside else []
+        comma = "; a decimal comma? pass --decimal ," if any("," in own for _, _, own in most) else ""
+        message = f"no row could be corrected: {'; '.join(said)}{comma}"
+        raise DataError(message)
 
 
 def _letter(one: Unread) -> str:

@@ -33,7 +33,7 @@ Column = NDArray[np.float64]
 
 _DIGITS = 9  # of a distance [m]: to a nanometer
 _WINDOW = 15.0  # s: what a rate is taken over at least, as far back as at the end of a table
-_PLAIN = ("recorded", "level", "before", "follow", "told", "ignored", "rows", "done", "dated")
+_PLAIN = ("recorded", "level", "before", "follow", "told", "ignored", "rows", "done", "dated", "requests")
 
 
 @dataclass
@@ -129,6 +129,7 @@ class Sensor:
     window: list[Entry] = field(default_factory=list)
     done: int = 0
     dated: bool = False
+    requests: dict[str, str] = field(default_factory=dict)
     _signatures: Signatures | None = None
 
     def __post_init__(self) -> None:
@@ -192,6 +193,8 @@ class Sensor:
         for row, signature in zip(usable, signatures.tolist(), strict=True):
             entry = row.entry
             against = row.reference if self.level is None else self.level
+            if entry.units and entry.columns is not None:
+                self.requests |= entry.columns.requests
             kept = row_to_keep(entry.row, entry.numbers, entry.columns)
             if self.reference == "others":
                 kept["distance_m"] = row.reference

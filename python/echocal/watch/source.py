@@ -7,14 +7,16 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import IO, Any, Protocol
 
+from echocal.correct.text.blocks import LONGEST, too_long
 from echocal.errors import DataError, UsageError
+from echocal.observations.layout import Layout
 from echocal.watch.parser import Batch, Parser
 from echocal.watch.state import State
 
 __all__ = ["Files", "Lines", "Source"]
 
-_TEXTS = (".csv", ".tsv", ".jsonl", ".ndjson")
-_MOST = 2000  # rows of a batch: what a stop by force repeats at most
+_JSON = (".jsonl", ".ndjson")
+_TEXTS = (".csv", ".tsv", *_JSON)
 _BYTES = 1 << 20  # that are read at a time
 
 
@@ -36,27 +38,30 @@ class Lines:
     stream : binary file
     wait : float
         Longest wait for the next line before an empty batch [s].
+    layout : Layout, optional
+        How its text is written.
     """
 
-    def __init__(self, stream: IO[bytes], wait: float) -> None:
-        self.stream, self.wait = stream, wait
+    def __init__(self, stream: IO[bytes], wait: float, layout: Layout | None = None) -> None:
+        self.stream, self.wait, self.layout = stream, wait, layout or Layout()
 
     def batches(self) -> Iterator[Batch]:
         """Rows of whole lines; a stream that cannot be continued keeps no position."""
-        parser, rest, number = Parser(), b"", self.stream.fileno()
+        parser, rest, number = Parser("stdin", self.layout), b"", self.stream.fileno()
         while True:
             ready = select.select([number], [], [], self.wait)[0]
             if not ready:
                 yield Batch()
                 continue
             data = os.read(number, _BYTES)
-            lines = (rest + data).split(b"\n")
-            rest = lines.pop()
-            if not data and rest:
-                lines, rest = [rest], b""
-            yield parser.batch(lines, "stdin")
+            rest += data
+            for batch, size in parser.batches(rest, final=not data):
+                rest = rest[size:]
+                yield batch
             if not data:
                 return
+            if len(rest) > LONGEST:
+                raise too_long("stdin", parser.line + 1)
 
     def done(self, state: State) -> None:
         """Nothing to keep."""
@@ -73,10 +78,14 @@ class Files:
     poll : float
         Wait between two looks [s].
     once : bool
-        End with what there is now; a last line without an end is then whole.
+        End with what there is now; without a file for the state a last line without an end is then whole.
+    layout : Layout, optional
+        How the text of the files is written.
     """
 
-    def __init__(self, path: Path, state: State, poll: float, *, once: bool) -> None:
+    def __init__(
+        self, path: Path, state: State, poll: float, *, once: bool, layout: Layout | None = None
+    ) -> None:
         if not path.exists():
             message = f"{path} does not exist; to wait for files give their folder"
             raise UsageError(message)
@@ -84,7 +93,9 @@ class Files:
             message = f"{path} cannot be watched; endings of growing files: {', '.join(_TEXTS)}"
             raise UsageError(message)
         self.path, self.state, self.poll, self.once = path, state, poll, once
-        self._unfinished: dict[Path, None] = {}
+        self.layout = layout or Layout()
+        self._whole = once and state.path is None
+        self._unfinished: dict[Path, str] = {}
         self._read: dict[str, dict[str, Any]] = {}
         self.reading: tuple[str, dict[str, Any]] | None = None
 
@@ -98,8 +109,7 @@ class Files:
                     yield batch
             if idle and self.once:
                 if self._unfinished:
-                    said = "ends within a line, which is read when it is whole"
-                    yield Batch(notes=[f"{file} {said}" for file in self._unfinished])
+                    yield Batch(notes=[f"{file} {said}" for file, said in self._unfinished.items()])
                 return
             if idle:
                 yield Batch()
@@ -132,28 +142,30 @@ class Files:
                 raise DataError(message)
             if size == at["byte"]:
                 return
-            begin = {"separator": "\t" if file.suffix.lower() == ".tsv" else ","}
-            parser = Parser(**(at.get("parser") or begin))
+            parser = Parser(
+                str(file), self.layout, only_json=file.suffix.lower() in _JSON, kept=at.get("parser")
+            )
             with file.open("rb") as stream:
-                stream.seek(at["byte"])
-                while lines := self._lines(stream, file):
-                    batch = parser.batch(lines, str(file))
-                    at = {"byte": at["byte"] + sum(map(len, lines)), "parser": parser.to_dict()}
-                    self.reading = (key, at)
-                    self._read[key] = at  # also of lines without a row, which nobody takes for done
-                    yield batch
+                asked = _BYTES
+                while at["byte"] < size:
+                    stream.seek(at["byte"])
+                    data = stream.read(asked)
+                    ended = len(data) < asked
+                    for batch, taken in parser.batches(data, final=ended and self._whole):
+                        at = {"byte": at["byte"] + taken, "parser": parser.to_dict()}
+                        self.reading = (key, at)
+                        self._read[key] = at  # also of lines without a row, which nobody takes for done
+                        asked = _BYTES
+                        yield batch
+                    if ended:
+                        break
+                    if stream.tell() - len(data) == at["byte"] and asked > LONGEST:
+                        raise too_long(file, parser.line + 1)
+                    asked *= 2 if stream.tell() - len(data) == at["byte"] else 1
         except OSError as error:
             message = f"{file} cannot be read: {error.strerror or error}"
             raise DataError(message) from None
-
-    def _lines(self, stream: IO[bytes], file: Path) -> list[bytes]:
-        lines = []
-        for _ in range(_MOST):
-            line = stream.readline()
-            if not line:
-                break
-            if not line.endswith(b"\n") and (not self.once or self.state.path is not None):
-                self._unfinished[file] = None
-                break  # a line that is still being written is read when it is whole
-            lines.append(line)
-        return lines
+        self._unfinished.pop(file, None)
+        if at["byte"] < size:
+            what = "ends within a line, which is read when it is whole"
+            self._unfinished[file] = what if parser.begun else "has no row below a header so far"

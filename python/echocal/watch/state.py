@@ -13,7 +13,7 @@ from echocal.watch.rows import Row
 
 __all__ = ["State"]
 
-SCHEMA = "echocal.watch/3"
+SCHEMA = "echocal.watch/4"
 
 _TABLES = {
     "facts": "name text primary key, value text",

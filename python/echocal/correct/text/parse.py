@@ -4,7 +4,6 @@ Both ways give the same numbers to the last bit: each is the double next to its 
 """
 
 import codecs
-import csv
 import io
 import re
 from collections.abc import Iterator, Mapping, Sequence
@@ -19,20 +18,18 @@ import pandas as pd
 from echocal import _core
 from echocal.correct.text.blocks import Block
 from echocal.observations.arrow import arrow, has_arrow, to_pandas
-from echocal.observations.found import CORRUPT, CUT, NOT_READ
-from echocal.observations.heading import SEPARATORS, too_long
+from echocal.observations.found import NOT_READ
+from echocal.observations.heading import SEPARATORS
 from echocal.observations.layout import NO_SIGN
-from echocal.observations.numbers import EMPTY, NO_NUMBER
-from echocal.observations.quotes import Marks
+from echocal.observations.numbers import EMPTY, NO_NUMBER, NUMBER, number_of
+from echocal.observations.records import Records
 from echocal.observations.text import Head, Layout
 from echocal.outputs import spreadsheet_safe
 
 __all__ = ["Lines", "Parser"]
 
 _CHUNK = 1 << 18  # bytes that Arrow parses at a time: they stay in the cache of a processor
-_NUMBER = re.compile(r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?")
 _NO_SIGN = NO_SIGN.encode()
-_NOT_FINITE = re.compile(r"[-+]?(?:inf|infinity|nan)", re.IGNORECASE)  # what Arrow takes for numbers, too
 
 
 @dataclass(frozen=True)
@@ -88,6 +85,7 @@ class Parser:
     ) -> None:
         self._path, self._head, self._layout, self._kinds = path, head, layout, kinds
         self._absent = absent
+        self._by_record = Records(str(path), head)
         self._empty = EMPTY | (absent or frozenset())
         self._is_plain = _is_plain(head, absent)
         self._repeated = [line.encode() for line in head.repeated]
@@ -125,7 +123,7 @@ class Parser:
 
     def line_without_formulas(self, line: str) -> str:
         """The same of one line; all other fields stay letter for letter."""
-        values = self._fields(line) if line else []
+        values = self._by_record.fields(line) if line else []
         texts = self._written.findall(line)[: len(values)]
         for place, value in enumerate(values):
             if spreadsheet_safe(value) != value:
@@ -289,53 +287,11 @@ class Parser:
         return to_pandas(table.rename_columns(list(columns)))
 
     def _records(self, block: Block) -> Lines:
-        head = self._head
-        marks = Marks(str(self._path), head.separator, len(head.names), head.is_no_row)
         text = io.StringIO(block.data.decode(), newline="")
-        records: list[tuple[str, str]] = []
-        rows: list[int] = []
-        corrupt: dict[int, str] = {}
-        complete = True
-        for record, held in marks.records(text, block.first, cut=True):
-            ended = "".join(held)
-            line = ended.rstrip("\r\n")
-            end = ended[len(line) :]
-            if marks.is_cut or line.endswith(NO_SIGN):
-                corrupt[len(rows)] = CUT
-            if marks.is_cut:
-                line += '"'  # the results stand behind the field, not in it
-            if record:
-                fitted = self._fitted(line)
-                if not end and complete and fitted is not None and len(fitted) > len(line):
-                    corrupt[len(rows)] = CUT
-                complete = fitted == line
-                if fitted is None:
-                    corrupt[len(rows)] = CORRUPT
-                    fitted = '"' + line.replace('"', '""') + '"' + head.separator * (len(head.names) - 1)
-                line = fitted
-                rows.append(len(records))
-            records.append((line, end))
-        return Lines(records=records, rows=rows, corrupt=corrupt)
-
-    def _fitted(self, line: str) -> str | None:
-        """A row's line with as many fields as the header; None where one beyond these has a value."""
-        width, separator = len(self._head.names), self._head.separator
-        if line.count(separator) == width - 1 and '"' not in line:
-            return line
-        fields = self._fields(line)
-        if len(fields) < width:
-            return line + separator * (width - len(fields))
-        if any(text.strip() for text in fields[width:]):
-            return None
-        for _ in fields[width:]:
-            line = line[: line.rindex(separator)]
-        return line
-
-    def _fields(self, line: str) -> list[str]:
-        try:
-            return next(csv.reader([line], **self._dialect))
-        except csv.Error:
-            raise too_long(line) from None
+        found = list(self._by_record.of(text, block.first))
+        rows = [place for place, record in enumerate(found) if record.is_row]
+        corrupt = {number: found[place].why for number, place in enumerate(rows) if found[place].why}
+        return Lines(records=[(own.text, own.end) for own in found], rows=rows, corrupt=corrupt)
 
     def _careful(self, lines: Lines, columns: Sequence[str]) -> pd.DataFrame:
         places = [int(self._place[name]) for name in columns]
@@ -352,29 +308,16 @@ class Parser:
         """Fields of each row; fewer than in the header where a row is short, none where it is corrupt."""
         assert lines.records is not None
         for number, place in enumerate(lines.rows):
-            yield [] if number in lines.corrupt else self._fields(lines.records[place][0])
-
-    @property
-    def _dialect(self) -> dict[str, Any]:
-        return {"delimiter": self._head.separator, "skipinitialspace": True}
+            yield [] if number in lines.corrupt else self._by_record.fields(lines.records[place][0])
 
     def _column(self, texts: list[str], name: str) -> Any:
         """Numbers where all are such, as Arrow reads them; else texts, for others to refuse or to read."""
         if self._kinds.get(name, "number") != "number":
             return pd.Series([text or None for text in texts], dtype=object)
         absent = NO_NUMBER | (self._absent or frozenset())
-        numbers = []
-        for text in texts:
-            plain = text.strip().replace(self._head.decimal, ".")
-            if plain in absent:
-                numbers.append(np.nan)
-            elif _NOT_FINITE.fullmatch(plain) or (
-                _NUMBER.fullmatch(plain) and (self._head.decimal == "." or "." not in text)
-            ):
-                numbers.append(float(plain))
-            else:
-                swapped = [own.replace(self._head.decimal, ".") for own in texts]
-                return pd.Series(swapped, dtype=object)
+        numbers = [number_of(text, absent, self._head.decimal) for text in texts]
+        if None in numbers:
+            return pd.Series([own.replace(self._head.decimal, ".") for own in texts], dtype=object)
         return pd.Series(numbers, dtype=np.float64)
 
 
@@ -387,4 +330,4 @@ def _is_plain(head: Head, absent: frozenset[str] | None) -> bool:
     """Whether the core can read numbers: no sign has two meanings, and no number means that there is none."""
     if head.separator not in SEPARATORS or head.separator == head.decimal:
         return False
-    return not any(_NUMBER.fullmatch(text.strip().replace(head.decimal, ".")) for text in absent or ())
+    return not any(NUMBER.fullmatch(text.strip().replace(head.decimal, ".")) for text in absent or ())
