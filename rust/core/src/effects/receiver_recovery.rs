@@ -48,7 +48,7 @@ impl Effect for ReceiverRecovery {
 
     #[inline(always)]
     fn apply<S: Scalar>(chain: &mut Chain<S>, parameters: &[S]) {
-        let held = (-(chain.time / parameters[1])).exp();
+        let held = (chain.time / -parameters[1]).exp(); // not -(t / recovery): it would change the sign of a NaN
         chain.time = parameters[0].mul_add(held, chain.time);
     }
 }
