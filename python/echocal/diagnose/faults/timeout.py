@@ -1,7 +1,6 @@
 """No echo: a constant in place of a time."""
 
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,10 +18,8 @@ from echocal.observations.marks import RowRule
 __all__ = ["FAULT"]
 
 Column = NDArray[np.float64]
-Labels = NDArray[np.int64]
 
 _SAME = 1e-10  # relative; what arithmetic leaves of one constant
-_MOST = 32  # values that are compared: echoes of another thing may be more frequent than the constant
 _KNOWN = 38e-3  # s, length of the HC-SR04's pulse without an echo (data sheet)
 
 
@@ -93,95 +90,43 @@ def detect(view: View, own: Thresholds, settings: FaultSettings) -> Found | None
     return Found(mask, evidence, because, (time, len(rows)), repaired, _rules(view, rows, own))
 
 
-def _constant(view: View, values: Column, settings: FaultSettings, own: Thresholds) -> tuple[float, Labels]:
-    """Far rows with about one value, the likeliest of several such values: docs/method/faults.md, Eq. 31b."""
+def _constant(
+    view: View, values: Column, settings: FaultSettings, own: Thresholds
+) -> tuple[float, NDArray[np.int64]]:
+    """The most far rows with about one value, and their evidence: docs/method/faults.md, Eq. 31b."""
     outliers = np.flatnonzero(far(view, settings.far) & (values > 0))
     if not len(outliers):
         return -np.inf, outliers
-    logs, usual = np.log(values[outliers]), _Usual.of(view)
-    groups = [outliers[np.abs(logs - center) <= own.window] for center in _repeated(np.sort(logs), own)]
-
-    def evidence(rows: Labels) -> float:
-        return _evidence(view, values, rows, len(outliers) - len(rows), usual, settings, own)
-
-    likeliest = values[max(groups, key=evidence)]
-    center = np.exp(np.median(np.log(likeliest)))
-    inside = view.good & (values > center * np.exp(-own.window)) & (values < center * np.exp(own.window))
+    logs = np.log(np.where(values > 0, values, np.nan))
+    ordered = np.sort(logs[outliers])
+    ends = np.searchsorted(ordered, ordered + own.window, side="right")
+    first = int((ends - np.arange(len(ordered))).argmax())
+    inside = view.good & (np.abs(logs - np.median(ordered[first : ends[first]])) <= own.window)
     rest = view.after(view.without(inside, FACTS.id))
     if not rest.good.any():
         return -np.inf, outliers[:0]
-    usual = _Usual.of(rest)
-    off = np.abs(view.indication - usual.expected)
-    rows = np.flatnonzero(inside & (off > limit_of(rest.scatter, usual.expected, settings.far)))
-    others = int(far(rest, settings.far).sum())
-    return _evidence(view, values, rows, others, usual, settings, own) if len(rows) else -np.inf, rows
-
-
-def _repeated(ordered: Column, own: Thresholds) -> list[float]:
-    """Centers of the windows with the most of some ascending values, which share none."""
-    centers: list[float] = []
-    while len(ordered) and len(centers) < _MOST:
-        ends = np.searchsorted(ordered, ordered + own.window, side="right")
-        first = int((ends - np.arange(len(ordered))).argmax())
-        centers.append(float(np.median(ordered[first : ends[first]])))
-        ordered = np.delete(ordered, slice(first, ends[first]))
-    return centers
-
-
-class _Usual(NamedTuple):
-    """What the other rows read.
-
-    Attributes
-    ----------
-    expected : ndarray, shape (n,)
-        [m].
-    scatter : float
-        [m].
-    longest : float
-        Longest reading [m].
-    slow : float
-        How much slower than from row to row the readings scatter, not below one; one at known distances.
-    """
-
-    expected: Column
-    scatter: float
-    longest: float
-    slow: float
-
-    @classmethod
-    def of(cls, view: View) -> "_Usual":
-        good = view.indication[view.good]
-        slow = 0.0 if view.known else 1.4826 * float(np.median(np.abs(good - np.median(good))))
-        expected = view.expected if view.known else expected_everywhere(view)
-        return cls(expected, view.scatter, float(good.max()), max(slow / view.scatter, 1.0))
-
-
-def _evidence(
-    view: View,
-    values: Column,
-    rows: Labels,
-    others: int,
-    usual: _Usual,
-    settings: FaultSettings,
-    own: Thresholds,
-) -> float:
-    """Log Bayes factor of a constant in some far rows; `others` are far, too."""
+    expected = view.expected if view.known else expected_everywhere(rest)
+    limit = limit_of(rest.scatter, expected, settings.far)
+    rows = np.flatnonzero(inside & (np.abs(view.indication - expected) > limit))
+    if not len(rows):
+        return -np.inf, rows
     place, least = view.indication[rows], finest(view.indication[rows], view.resolution)
-    expected, median = usual.expected[rows], float(np.median(place))
-    off, limit = np.abs(place - expected), limit_of(usual.scatter, expected, settings.far)
-    chosen = log_choices(len(rows), len(rows) + others)
+    off = np.abs(place - expected[rows])
+    chosen = log_choices(len(rows), len(rows) + int(far(rest, settings.far).sum()))
     echo = float(np.median(view.observations.echo_time[rows]))
     known = _normal(echo / _KNOWN, own.tolerance / _KNOWN)
-    among_good = own.among if median <= usual.longest else 1.0
+    good = rest.indication[rest.good]
+    among_good = own.among if np.median(place) <= good.max() else 1.0
     here = float(np.log(0.5 * among_good / settings.constant.range + 0.5 * known))
-    half = 0.5 * float(np.log(usual.slow))  # of the way from scatter to slow changes
-    jitter = usual.scatter * np.exp(half) / median, float(np.hypot(own.scatter, half))
-    there = _log_of_a_place(median, float(np.median(expected)), settings, own)
-    orders = np.maximum(np.log(off / limit), 1.0)
+    slow = 0.0 if view.known else 1.4826 * float(np.median(np.abs(good - np.median(good))))
+    half = 0.5 * float(np.log(max(slow / rest.scatter, 1.0)))  # of the way from scatter to slow changes
+    jitter = rest.scatter * np.exp(half) / float(np.median(place)), float(np.hypot(own.scatter, half))
+    there = _log_of_a_place(float(np.median(place)), float(np.median(expected[rows])), settings, own)
+    orders = np.maximum(np.log(off / limit[rows]), 1.0)
     wild = np.log(0.5 / settings.constant.range + 0.5 * place / (2 * off * orders)).sum()
     as_constant = log_constant(values[rows], least, settings.constant) + here - chosen
     as_echoes = log_constant(values[rows], least, settings.constant, jitter) + there - chosen
-    return float(as_constant - np.logaddexp(wild, as_echoes))
+    return float(as_constant - np.logaddexp(wild, as_echoes)), rows
 
 
 def _log_of_a_place(place: float, expected: float, settings: FaultSettings, own: Thresholds) -> float:
@@ -197,7 +142,7 @@ def _normal(ratio: float, spread: float) -> float:
     return float(np.exp(-0.5 * (np.log(ratio) / spread) ** 2) / (spread * np.sqrt(2 * np.pi)))
 
 
-def _impossible(view: View, own: Thresholds) -> tuple[float, Labels]:
+def _impossible(view: View, own: Thresholds) -> tuple[float, NDArray[np.int64]]:
     """Rows that repeat a value which no echo has, as 0, -1 or 9999."""
     values, data = recorded(view), view.observations
     names = [f"{data.source_names.get(name, name)} out of range" for name in ("reading", "echo_time")]
@@ -210,7 +155,7 @@ def _impossible(view: View, own: Thresholds) -> tuple[float, Labels]:
     return own.impossible * (count - (value > 0)), rows[values[rows] == value]
 
 
-def _rules(view: View, rows: Labels, own: Thresholds) -> tuple[RowRule, ...]:
+def _rules(view: View, rows: NDArray[np.int64], own: Thresholds) -> tuple[RowRule, ...]:
     """The constant, as a time or as a reading; as both, where one temperature does not tell them apart."""
     times, readings = view.observations.echo_time[rows], recorded(view)[rows]
     time, reading = float(np.median(times)), float(np.median(readings))
