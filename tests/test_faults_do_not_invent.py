@@ -86,7 +86,7 @@ def test_a_near_visit_in_whole_centimeters_is_not_stuck(random: np.random.Genera
 
 @pytest.mark.statistical
 def test_a_reading_that_freezes_by_day_is_stuck(random: np.random.Generator) -> None:
-    """In 200 of 200 tables drawn."""
+    """In 75 of 100 tables drawn."""
     table = calm(random)
     days = np.sin(np.pi * np.arange(1500) / 72) > 0
     table = {name: column[days] for name, column in table.items()}
