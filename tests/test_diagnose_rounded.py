@@ -42,8 +42,8 @@ def test_the_step_of_the_tape_is_not_that_of_the_readings(random: np.random.Gene
 
 
 def test_a_coarse_step_is_found_between_stations_that_do_not_stand_in_it(random: np.random.Generator) -> None:
-    distance = np.sort(random.permutation(np.arange(20, 220, 20)) + random.uniform(-7.0, 7.0, 10))
-    distance[:2] = np.floor(distance[:2] / 10) * 10 + (1.0, 9.0)  # errors that lie all over the step
+    # errors that lie all over the step: else a fine step with an offset is as probable, in 6 of 150 draws
+    distance = np.arange(20.0, 220.0, 20.0) + random.permutation(10) + random.random(10)
     rounded = 10.0 * np.floor(distance / 10 + 0.5) + 3.0
     step, because = found_step(echocal.diagnose(table(distance, rounded), **STATED))
     assert step == pytest.approx(0.1)
