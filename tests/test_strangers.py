@@ -94,8 +94,8 @@ def test_messages_that_end_in_json(tmp_path: Path) -> None:
 def test_tenths_are_not_taken_for_an_error_code(
     cli: Cli, random: np.random.Generator, tmp_path: Path
 ) -> None:
-    # so warm that tenths are no degrees Fahrenheit, either
-    own = table(random).assign(temp_dC=lambda t: (10 * (t["temperature_C"] + 10)).round())
+    # 16 to 19 degC: such tenths are no ordinary degrees Fahrenheit or kelvins
+    own = table(random).assign(temp_dC=lambda t: (160 + t["temperature_C"]).round())
     own.drop(columns="temperature_C").to_csv(tmp_path / "log.csv", index=False)
     code, said = cli("diagnose", tmp_path / "log.csv", "--column", "temp_dC=temperature_C")
     assert code == 3
