@@ -34,7 +34,8 @@ def test_a_reading_that_follows_the_quality(
     (cause,) = (one for one in diagnosis.causes if one.kind == "effect")
     gain, reference = cause.parameters
     assert cause.id == "echo_quality"
-    assert abs(gain.value * unit + 8e-5) < 4 * gain.standard_uncertainty * unit < 4e-5
+    of_rows = diagnosis.model.standard_uncertainties["echo_quality.gain"]
+    assert abs(gain.value * unit + 8e-5) < 4 * of_rows * unit < 4e-5  # type: ignore[operator]
     assert reference.value == pytest.approx(np.median(table["echo_quality"]), rel=0.02)
     assert diagnosis.model.reads >= {"echo_quality"}
 

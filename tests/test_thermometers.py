@@ -63,8 +63,12 @@ def found(log: pd.DataFrame) -> echocal.Diagnosis:
 
 
 def size(diagnosis: echocal.Diagnosis, id_: str) -> tuple[float, float]:
+    """A size and its standard uncertainty from the rows; what all rows share is not in it."""
     (cause,) = (c for c in diagnosis.causes if c.id == id_)
-    return cause.parameters[0].value, cause.parameters[0].standard_uncertainty
+    size = cause.parameters[0]
+    uncertainty = diagnosis.model.standard_uncertainties[f"{id_}.{size.name}"]
+    assert uncertainty is not None
+    return size.value, uncertainty
 
 
 def test_a_name_a_request_and_a_phrase_are_thermometers() -> None:

@@ -76,6 +76,7 @@ class Candidates:
     `aside` are further columns of the table without an unexplained term, because there are too many.
     `unread` are further thermometers that no cause reads, with the reasons. `steps` are columns of steps of
     an unknown level, and `slow_air` those of air that differs from the thermometer; no variant uses these.
+    `systematic` are columns of errors that all rows share, with the factors of one standard uncertainty.
     """
 
     columns: Columns
@@ -87,6 +88,7 @@ class Candidates:
     unread: dict[str, str] = field(default_factory=dict)
     steps: tuple[int, ...] = ()
     slow_air: tuple[int, ...] = ()
+    systematic: tuple[tuple[int, float], ...] = ()
 
     @property
     def competing(self) -> int:

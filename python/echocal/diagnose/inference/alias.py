@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from echocal import _core
 from echocal.diagnose.candidates.variant import Variant
+from echocal.diagnose.inference.hypothesis import HypothesisFit
 from echocal.diagnose.settings.claims import ClaimSettings
 
 __all__ = ["Geometry"]
@@ -38,6 +39,16 @@ class Geometry:
         if mean is not None or variant.offset is None:
             combination[list(variant.free)] = size
         return combination
+
+    def type_b(self, fit: HypothesisFit, systematic: Sequence[tuple[int, float]]) -> Matrix:
+        """Standard uncertainty of each coefficient from errors that all rows share: docs/method/checks.md, Eq. 17a.
+
+        A coefficient takes up of such an error what generalized least squares makes of it.
+        """
+        columns, factors = [column for column, _ in systematic], [factor for _, factor in systematic]
+        free = [column for variant in fit.hypothesis.variants for column in variant.free]
+        taken = fit.covariance @ self.products[np.ix_(free, columns)] * factors
+        return np.asarray(np.linalg.norm(taken, axis=1))
 
     def visibility(self, signal: Matrix) -> float:
         """Signal over noise, summed over rows: ``snr sqrt(n)``."""

@@ -6,6 +6,7 @@ from numpy.typing import NDArray
 from echocal.diagnose.candidates.effects import effect_candidates
 from echocal.diagnose.candidates.scene import Scene
 from echocal.diagnose.candidates.slow_air import slow_air_columns
+from echocal.diagnose.candidates.systematic import systematic_columns
 from echocal.diagnose.candidates.unexplained_terms import term_candidates
 from echocal.diagnose.candidates.variant import Candidates
 from echocal.diagnose.inference.autocorrelation import at_first, that_may_be_there
@@ -52,6 +53,7 @@ def examine(
     if steps is not None:
         found.steps = _step_columns(found, table, steps, settings.rows.step_height)
     effect_candidates(found, scene)
+    found.systematic = systematic_columns(found, scene)
     order, rows = table.order, np.flatnonzero(folds.fit[folds.blocks])
     found.aside = set_aside(scene, order, table.known, table.extra, rows, len(found.columns))
     recorded = {**table.known, **table.extra}

@@ -20,6 +20,7 @@ from echocal.diagnose.findings.parts import (
 )
 from echocal.diagnose.findings.sentences import Recorded
 from echocal.diagnose.inference.case import Case
+from echocal.diagnose.inference.hypothesis import Stack
 from echocal.diagnose.inference.posterior import Inference
 from echocal.diagnose.preprocess.table import Table
 from echocal.diagnose.results.because import because
@@ -62,7 +63,7 @@ def report(
     term, noise = selection.term, selection.noise
     steps = steps_of(case.table, observations)
     fates = Fates.of(case.table, judge.held)
-    causes = _causes(case, ranking, selection, validation, joint, word)
+    causes = _causes(case, inference.stack, ranking, selection, validation, joint, word)
     origin = {**validation.model.provenance, **_origin(causes, word)}
     if observations.reading_speed:
         origin["reading_speed"] = observations.reading_speed
@@ -98,6 +99,7 @@ def report(
 
 def _causes(
     case: Case,
+    stack: Stack,
     ranking: Ranking,
     selection: Selection,
     validation: Validation,
@@ -105,7 +107,7 @@ def _causes(
     word: Verdict,
 ) -> tuple[Cause, ...]:
     recorded = Recorded(case.table.against())
-    others = alternatives(ranking, selection.claims) if word == "ambiguous" else []
+    others = alternatives(ranking, selection.claims, case.found, stack) if word == "ambiguous" else []
     refuted = {one.id for one in validation.refuted}
     told = {claim.cause for claim in validation.claims}
     others = [claim for claim in others if claim.cause not in refuted | told]
@@ -149,13 +151,19 @@ def _cause(
 
 
 def _uncertainties(claim: Claim, model: Model | None) -> dict[str, float]:
-    """Standard uncertainties of the parameters of a claim: those of the model, if it is in one."""
+    """Standard uncertainties of the parameters of a claim: those of the model, if it is in one.
+
+    They have what all rows share, too (type B). The model has not: its corrected distances agree with the
+    reference, whatever part of the correction is an error of the reference or of the law.
+    """
+    variant, scales = claim.variant, np.array(claim.variant.scales)
+    of_rows, of_all = (one[: len(scales)] * scales for one in (claim.deviation, claim.type_b))
+    found = dict(zip(variant.names, of_rows.tolist(), strict=False))
     if model is not None:
         known = model.standard_uncertainties
-        return {name: known[f"{claim.cause}.{name}"] or 0.0 for name in model.effects[claim.cause]}
-    variant = claim.variant
-    named = claim.deviation[: len(variant.scales)] * variant.scales
-    return dict(zip(variant.names, named.tolist(), strict=False))
+        found = {name: known[f"{claim.cause}.{name}"] or 0.0 for name in model.effects[claim.cause]}
+    shared = dict(zip(variant.names, of_all.tolist(), strict=False))
+    return {name: float(np.hypot(own, shared.get(name, 0.0))) for name, own in found.items()}
 
 
 def _slow_noise(case: Case, ranking: Ranking, selection: Selection) -> list[str]:

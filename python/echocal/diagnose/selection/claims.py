@@ -160,8 +160,9 @@ class Claim:
     Attributes
     ----------
     variant : Variant
-    mean, deviation : ndarray
-        Coefficients of its free columns and their standard uncertainties, in prior units.
+    mean, deviation, type_b : ndarray
+        Coefficients of its free columns, in prior units, and their standard uncertainties: from the rows, and
+        from errors that all rows share.
     rivals : tuple of str
     probability : float
         Probability of the cause or one of its rivals.
@@ -170,6 +171,7 @@ class Claim:
     variant: Variant
     mean: NDArray[np.floating[Any]]
     deviation: NDArray[np.floating[Any]]
+    type_b: NDArray[np.floating[Any]]
     rivals: tuple[str, ...]
     probability: float
 
@@ -186,7 +188,7 @@ def claims(
     others = _by_cause(found.variants)
     made = []
     chosen = set(best.hypothesis.effects)
-    deviation = np.sqrt(np.diag(best.covariance))
+    deviation, type_b = np.sqrt(np.diag(best.covariance)), geometry.type_b(best, found.systematic)
     known = [(v, place) for v, place in best.hypothesis.placed if v.cause != UNKNOWN]
     for variant, place in ((v, place) for v, place in known if v.cause not in beyond):
         signal = geometry.signal(variant, best.mean[place])
@@ -197,14 +199,15 @@ def claims(
         possible = {c: v for c, v in others.items() if c not in chosen}
         rivals = geometry.rivals(signal, possible, beside, ranking.settings.claims)
         probability = ranking.of([variant.cause, *rivals])
-        made.append(Claim(variant, best.mean[place], deviation[place], tuple(sorted(rivals)), probability))
+        size = best.mean[place], deviation[place], type_b[place]
+        made.append(Claim(variant, *size, tuple(sorted(rivals)), probability))
     return sorted(made, key=lambda claim: -claim.probability)
 
 
-def alternatives(ranking: Ranking, made: Sequence[Claim]) -> list[Claim]:
+def alternatives(ranking: Ranking, made: Sequence[Claim], found: Candidates, stack: Stack) -> list[Claim]:
     """Single causes that are possible instead of the claims."""
     taken = {id_ for claim in made for id_ in (claim.cause, *claim.rivals)}
-    found = []
+    listed = []
     for ids, probability in ranking.sets:
         if (
             len(ids) == 1
@@ -212,9 +215,10 @@ def alternatives(ranking: Ranking, made: Sequence[Claim]) -> list[Claim]:
             and ids[0] not in {UNKNOWN, *taken}
         ):
             fit = next(w for w in ranking.fits if w.hypothesis.causes == ids)
-            deviation = np.sqrt(np.diag(fit.covariance))
-            found.append(Claim(fit.hypothesis.variants[0], fit.mean, deviation, (), probability))
-    return found
+            type_b = Geometry(stack.likeliest(fit)[1], fit.variance).type_b(fit, found.systematic)
+            own = fit.mean, np.sqrt(np.diag(fit.covariance)), type_b
+            listed.append(Claim(fit.hypothesis.variants[0], *own, (), probability))
+    return listed
 
 
 def _by_cause(variants: Sequence[Variant]) -> dict[str, list[Variant]]:
@@ -276,7 +280,8 @@ def free_size(cause: str, found: Candidates, beside: Hypothesis, stack: Stack) -
     """Fitted size of a correction whose size theory fixes, and its standard uncertainty."""
     free = Variant(cause, free=(found.size_tangents[cause][0],), bounds=((-np.inf, np.inf),))
     fit = fit_hypothesis(Hypothesis((free, *without(beside, cause).variants), 1.0), stack)
-    return float(fit.mean[0]), float(np.sqrt(fit.covariance[0, 0]))
+    shared = Geometry(stack.likeliest(fit)[1], fit.variance).type_b(fit, found.systematic)
+    return float(fit.mean[0]), float(np.hypot(np.sqrt(fit.covariance[0, 0]), shared[0]))
 
 
 def without(hypothesis: Hypothesis, cause: str) -> Hypothesis:

@@ -53,6 +53,19 @@ class PriorSettings:
         "standard uncertainty of the level and of the tilt of a law; Cramer 1993 states limits of 300 ppm; "
         "GUM 4.3.7 makes limits a standard deviation",
     )
+    scale_uncertainty: float = threshold(
+        4.3e-4,
+        "of the reading",
+        "standard uncertainty of all distances together, which is part of that of a size: the law 300 ppm, "
+        "its dispersion at 40 kHz 250 ppm, a tape of class II 200 ppm, 2 degrees between beam and tape 610 "
+        "ppm; GUM 4.3.7 makes each limit a standard deviation",
+    )
+    arrival_uncertainty: float = threshold(
+        12.5e-6 / 3**0.5,
+        "s",
+        "the same of the moment of arrival: within half a period of 40 kHz it depends on how it is defined; "
+        "GUM 4.3.7",
+    )
     law_middle: float = threshold(
         15.0,
         "degC",
