@@ -63,7 +63,7 @@ def _of_means(case: Case) -> Record:
 
 def kept(answer: Mapping[str, Any]) -> Record:
     """The part of an answer that is judged: a record that holds it can be judged again."""
-    keys = ("id", "kind", "probability", "parameters", "indistinguishable_from", "in_model")
+    keys = ("id", "kind", "probability", "parameters", "indistinguishable_from", "in_model", "doubt")
     return {
         "verdict": answer["verdict"],
         "causes": [{key: cause.get(key, True) for key in keys} for cause in answer["causes"]],
@@ -103,7 +103,7 @@ def judged(case: Case, answer: Mapping[str, Any]) -> Record:
     named = [c for c in answer["causes"] if c.get("in_model", True) or c["kind"] != "effect"]
     judged_names = [_judged_name(case, cause) for cause in named]
     says_unknown = answer["unexplained"] is not None or answer["verdict"] == "unknown"
-    wrong = [n for n in judged_names if n["status"] == "wrong" and n["probability"] > NAMED]
+    wrong = [n for n in judged_names if n["status"] == "wrong" and is_sure(n)]
     return {
         "verdict": answer["verdict"],
         "named": judged_names,
@@ -132,8 +132,13 @@ def _judged_name(case: Case, cause: Mapping[str, Any]) -> Record:
         status = "rival"
     else:
         status = "wrong"
-    keys = ("id", "kind", "probability")
+    keys = ("id", "kind", "probability", "doubt")
     return {**{key: cause[key] for key in keys}, "status": status, "planted": planted, "held": held}
+
+
+def is_sure(name: Record) -> bool:
+    """Whether a name is a promise: of a cause with a doubt, the diagnosis says that it is not named."""
+    return bool(name["probability"] > NAMED and not name["doubt"])
 
 
 def _claimed(case: Case, cause: Mapping[str, Any]) -> Column | None:
@@ -152,14 +157,14 @@ def _claimed(case: Case, cause: Mapping[str, Any]) -> Column | None:
 def outcome(spec: Spec, named: Sequence[Record], *, says_unknown: bool) -> str:
     """Put an answer into one class of `OUTCOMES`.
 
-    ``named``: each planted cause, or one of its class, with more than 0.9, and no wrong name with more.
+    ``named``: each planted cause, or one of its class, with more than 0.9 and no doubt; no such wrong name.
     ``ambiguous``: with less, or among those that the diagnosis cannot tell from one that it names.
     ``unknown``: something is there without a name. ``unsure``: wrong names, none with more than 0.9.
     ``silent``: nothing, or only what is always there, under its name or one told as its rival.
     """
-    sure = {id_ for n in named if n["probability"] > NAMED for id_ in n["planted"]}
+    sure = {id_ for n in named if is_sure(n) for id_ in n["planted"]}
     maybe = {id_ for n in named for id_ in (*n["planted"], *n["held"])}
-    wrong = any(n["status"] == "wrong" and n["probability"] > NAMED for n in named)
+    wrong = any(n["status"] == "wrong" and is_sure(n) for n in named)
     truth = set(spec.causes) if spec.stratum not in ("null", "unknown") else set()
     if truth and sure == truth:
         return "named beside a wrong name" if wrong else "named"

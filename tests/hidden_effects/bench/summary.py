@@ -7,13 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from hidden_effects.bench.answers import OUTCOMES
+from hidden_effects.bench.answers import OUTCOMES, is_sure
 from hidden_effects.score import NONE, Figure, Record, beyond_chance, part, reliability, resampled
 
 SCHEMA = "echocal.bench-benchmark/1"
 
 DETECTORS = ("ideal", "comparator")
-_SURE = 0.9
 _FEWEST = 5  # sizes with a z-score, for a root mean square
 _WORST = 3  # wrong names that the table of causes lists
 
@@ -53,7 +52,7 @@ def sure_names(records: Sequence[Record]) -> list[Record]:
         n
         for r in visible(records, "null", "single", "pair", "mistake")
         for n in r["named"]
-        if n["kind"] == "effect" and n["probability"] > _SURE and n["status"] != "companion"
+        if n["kind"] == "effect" and is_sure(n) and n["status"] != "companion"
     ]
 
 

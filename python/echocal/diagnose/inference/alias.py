@@ -41,14 +41,13 @@ class Geometry:
         return combination
 
     def type_b(self, fit: HypothesisFit, systematic: Sequence[tuple[int, float]]) -> Matrix:
-        """Standard uncertainty of each coefficient from errors that all rows share: docs/method/checks.md, Eq. 17a.
+        """Change of each coefficient by each error that all rows share: docs/method/checks.md, Eq. 17a.
 
         A coefficient takes up of such an error what generalized least squares makes of it.
         """
         columns, factors = [column for column, _ in systematic], [factor for _, factor in systematic]
         free = [column for variant in fit.hypothesis.variants for column in variant.free]
-        taken = fit.covariance @ self.products[np.ix_(free, columns)] * factors
-        return np.asarray(np.linalg.norm(taken, axis=1))
+        return np.asarray(fit.covariance @ self.products[np.ix_(free, columns)] * factors)
 
     def visibility(self, signal: Matrix) -> float:
         """Signal over noise, summed over rows: ``snr sqrt(n)``."""

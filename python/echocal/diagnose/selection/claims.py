@@ -166,6 +166,8 @@ class Claim:
     rivals : tuple of str
     probability : float
         Probability of the cause or one of its rivals.
+    over_uncertainty : float
+        All its coefficients together over their standard uncertainty; infinite where theory fixes the size.
     """
 
     variant: Variant
@@ -174,6 +176,7 @@ class Claim:
     type_b: NDArray[np.floating[Any]]
     rivals: tuple[str, ...]
     probability: float
+    over_uncertainty: float
 
     @property
     def cause(self) -> str:
@@ -188,7 +191,7 @@ def claims(
     others = _by_cause(found.variants)
     made = []
     chosen = set(best.hypothesis.effects)
-    deviation, type_b = np.sqrt(np.diag(best.covariance)), geometry.type_b(best, found.systematic)
+    shared = geometry.type_b(best, found.systematic)
     known = [(v, place) for v, place in best.hypothesis.placed if v.cause != UNKNOWN]
     for variant, place in ((v, place) for v, place in known if v.cause not in beyond):
         signal = geometry.signal(variant, best.mean[place])
@@ -199,8 +202,7 @@ def claims(
         possible = {c: v for c, v in others.items() if c not in chosen}
         rivals = geometry.rivals(signal, possible, beside, ranking.settings.claims)
         probability = ranking.of([variant.cause, *rivals])
-        size = best.mean[place], deviation[place], type_b[place]
-        made.append(Claim(variant, *size, tuple(sorted(rivals)), probability))
+        made.append(_claim(variant, best, place, shared, tuple(sorted(rivals)), probability))
     return sorted(made, key=lambda claim: -claim.probability)
 
 
@@ -215,10 +217,27 @@ def alternatives(ranking: Ranking, made: Sequence[Claim], found: Candidates, sta
             and ids[0] not in {UNKNOWN, *taken}
         ):
             fit = next(w for w in ranking.fits if w.hypothesis.causes == ids)
-            type_b = Geometry(stack.likeliest(fit)[1], fit.variance).type_b(fit, found.systematic)
-            own = fit.mean, np.sqrt(np.diag(fit.covariance)), type_b
-            listed.append(Claim(fit.hypothesis.variants[0], *own, (), probability))
+            shared = Geometry(stack.likeliest(fit)[1], fit.variance).type_b(fit, found.systematic)
+            ((variant, place),) = fit.hypothesis.placed
+            listed.append(_claim(variant, fit, place, shared, (), probability))
     return listed
+
+
+def _claim(
+    variant: Variant,
+    fit: HypothesisFit,
+    place: slice,
+    shared: NDArray[np.floating[Any]],
+    rivals: tuple[str, ...],
+    probability: float,
+) -> Claim:
+    """The claim of a cause at some coefficients of a fit; `shared` are the errors that all rows share."""
+    mean, own = fit.mean[place], shared[place]
+    of_rows = fit.covariance[place, place]
+    whole = np.linalg.pinv(of_rows + own @ own.T, hermitian=True)
+    over = float("inf") if variant.offset is not None else float(np.sqrt(mean @ whole @ mean))
+    deviation, type_b = np.sqrt(np.diag(of_rows)), np.linalg.norm(own, axis=1)
+    return Claim(variant, mean, deviation, type_b, rivals, probability, over)
 
 
 def _by_cause(variants: Sequence[Variant]) -> dict[str, list[Variant]]:
@@ -281,7 +300,7 @@ def free_size(cause: str, found: Candidates, beside: Hypothesis, stack: Stack) -
     free = Variant(cause, free=(found.size_tangents[cause][0],), bounds=((-np.inf, np.inf),))
     fit = fit_hypothesis(Hypothesis((free, *without(beside, cause).variants), 1.0), stack)
     shared = Geometry(stack.likeliest(fit)[1], fit.variance).type_b(fit, found.systematic)
-    return float(fit.mean[0]), float(np.hypot(np.sqrt(fit.covariance[0, 0]), shared[0]))
+    return float(fit.mean[0]), float(np.hypot(np.sqrt(fit.covariance[0, 0]), np.linalg.norm(shared[0])))
 
 
 def without(hypothesis: Hypothesis, cause: str) -> Hypothesis:

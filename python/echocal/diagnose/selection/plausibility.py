@@ -1,4 +1,4 @@
-"""Whether the size of a cause is one that such devices and such air have: docs/method/checks.md, Eq. 46."""
+"""Whether the size of a cause is one that such devices and such air have: docs/method/checks.md, Eq. 46 and 46a."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -13,17 +13,17 @@ __all__ = ["implausible"]
 
 
 def implausible(claims: Sequence[Claim], ranking: Ranking) -> dict[str, str]:
-    """Find claims whose sizes are far beyond the prior: something else may act that looks alike.
+    """Find claims whose sizes are far beyond the prior, or no larger than what all rows share.
 
-    A claim is plausible if one of the causes that the data cannot separate from it is, beside the other
-    claims.
+    Beyond the prior something else may act that looks alike. A claim is plausible if one of the causes that
+    the data cannot separate from it is, beside the other claims.
 
     Returns
     -------
     dict of str to str
         Ids, each with a sentence on the size.
     """
-    most = ranking.settings.claims.implausible
+    most, least = ranking.settings.claims.implausible, ranking.settings.claims.seen_from
     said = {}
     everything = {claim.cause for claim in claims}
     for claim in claims:
@@ -32,6 +32,12 @@ def implausible(claims: Sequence[Claim], ranking: Ranking) -> dict[str, str]:
             said[claim.cause] = (
                 f"the size of {claim.cause} is {times:.2g} times the usual one, so {claim.cause} is not "
                 "named: something else may act that looks the same"
+            )
+        elif claim.over_uncertainty < least:
+            said[claim.cause] = (
+                f"the size of {claim.cause} is {claim.over_uncertainty:.1f} times its standard uncertainty: "
+                "the law of the air, the tape and the moment of arrival may err by as much in all rows. So "
+                f"{claim.cause} is not named"
             )
     return said
 
