@@ -86,8 +86,8 @@ class ClaimSettings:
         1.0,
         "standard uncertainties",
         "a cause whose size is smaller is not named, for all rows may share an error as large; on 176 tables "
-        "of the virtual bench with an ideal detector, 1 of 17 names below it is that of the planted cause, 12 "
-        "of 15 between 1 and 2, and 38 of 61 above",
+        "of the virtual bench with an ideal detector, 1 of 17 names below it is that of the planted cause, "
+        "12 of 15 between 1 and 2, and 38 of 61 above",
     )
     implausible: float = threshold(
         5.0,

@@ -14,13 +14,19 @@ const REFERENCE: f64 = 4.0;
 const LOST: f64 = 0.95;
 /// What the air absorbs out to there and back at 20 degC, 50 % and 101.325 kPa \[Np\]: ISO 9613-1, 1.318 dB/m.
 const ABSORBED: f64 = 1.214;
+/// Least value under the root of two resonances: its slope stays finite.
+const FAINTEST: f64 = 1e-24;
 /// Decibels in a neper.
 const DECIBEL_PER_NEPER: f64 = 8.685_889_638_065_035;
 
 /// See [`AmplitudeWalk::FACTS`].
 ///
-/// The receiver rings up as `A (1 - exp(-s / rise))` and the comparator waits for a fixed voltage, which is
-/// the part `p` of the echo's amplitude `A`; `p` is `threshold` at 4 m, 20 degC and 50 %.
+/// The comparator waits for a fixed voltage, which is the part `p` of the echo's amplitude `A`; `p` is
+/// `threshold` at 4 m, 20 degC and 50 %. The envelope of one resonance that is driven at its own frequency
+/// rises as `A (1 - exp(-s))`, where `s` is the time in units of `2 Q / w` (order 1). A transmitter and a
+/// receiver of the same `Q` are two equal poles in cascade: the envelope rises as `A (1 - (1 + s) exp(-s))`
+/// (order 2). Its slope is zero at first. Oppenheim and Willsky 1997, Signals and Systems, 2nd ed., 6.5, have
+/// both step responses. `alpha` is the absorption of air at 40 kHz.
 pub struct AmplitudeWalk;
 
 impl Effect for AmplitudeWalk {
@@ -28,10 +34,10 @@ impl Effect for AmplitudeWalk {
         id: "amplitude_walk",
         stage: Stage::Transducer,
         sentence: "A fainter echo rises more slowly and crosses the comparator's threshold later.",
-        formula: "t' = t + delay ln(1 - p) / ln(1 - threshold), p = threshold (d / 4 m) exp(2 alpha d - 1.214), \
-                  alpha the absorption of air at 40 kHz",
-        source: "threshold detectors err by millimeters to centimeters: Parrilla, Anaya and Fritsch 1991, IEEE \
-                 Trans. Instrum. Meas. 40, 759; spreading, and absorption by ISO 9613-1:1993",
+        formula: "t' = t + delay s(p) / s(threshold), p = threshold (d / 4 m) exp(2 alpha d - 1.214), \
+                  alpha: absorption; 1 - p = exp(-s) at order 1, (1 + s) exp(-s) at order 2, s linear between",
+        source: "errors of mm to cm: Parrilla et al. 1991, IEEE Trans. Instrum. Meas. 40, 759; two poles: \
+                 Oppenheim and Willsky 1997, Signals and Systems, 6.5; ISO 9613-1:1993",
         reads: &[
             Quantity::Temperature,
             Quantity::RelativeHumidity,
@@ -52,7 +58,17 @@ impl Effect for AmplitudeWalk {
                 neutral: 0.3,
                 bounds: (0.01, 0.9),
                 prior_scale: 0.2,
-                tried: Tried::Values(&[0.05, 0.15, 0.3, 0.45, 0.6, 0.7, 0.8, 0.88]),
+                // at both orders: below 0.1 the form hardly changes
+                tried: Tried::Values(&[0.1, 0.3, 0.6, 0.8, 0.88]),
+                ..ParameterFacts::USUAL
+            },
+            ParameterFacts {
+                name: "order",
+                role: Role::Shape,
+                neutral: 1.0,
+                bounds: (1.0, 2.0),
+                prior_scale: 0.5,
+                tried: Tried::Values(&[1.0, 2.0]),
                 ..ParameterFacts::USUAL
             },
         ],
@@ -83,20 +99,39 @@ impl Effect for AmplitudeWalk {
     #[inline(always)]
     fn apply_prepared<S: Scalar>(chain: &mut Chain<S>, parameters: &[S], fainter: S) {
         let part = (parameters[1] * fainter).min(S::constant(LOST));
-        chain.time = (parameters[0] / crossing(parameters[1])).mul_add(crossing(part), chain.time);
+        let [at, stated] = [part, parameters[1]].map(|p| crossing(p, parameters[2]));
+        chain.time = (parameters[0] / stated).mul_add(at, chain.time);
     }
+}
+
+/// The time at which an envelope of an order from 1 to 2 crosses a part of its amplitude \[2 Q / w\].
+#[inline(always)]
+fn crossing<S: Scalar>(part: S, order: S) -> S {
+    let one = one_resonance(part);
+    (order - S::constant(1.0)).mul_add(two_resonances(one) - one, one)
 }
 
 /// `-ln(1 - p)`, by the Padé approximant of orders 3 and 3: within 1 % up to 0.85, 8 % at 0.95.
 #[inline(always)]
-fn crossing<S: Scalar>(part: S) -> S {
+fn one_resonance<S: Scalar>(part: S) -> S {
     let above = polynomial(part, [60.0, -60.0, 11.0]) * part;
     above / polynomial(part, [60.0, -90.0, 36.0, -3.0])
 }
 
+/// `s` of `p = 1 - (1 + s) exp(-s)`, from `l = -ln(1 - p)`: it solves `s - ln(1 + s) = l`.
+///
+/// `s = -1 - W(-exp(-1 - l))`, where `W` is the lower branch of Lambert's function (Corless et al. 1996, Adv.
+/// Comput. Math. 5, 329). Three terms of its series about the branch point, in `x = sqrt(2 l)`: within 1 % up
+/// to 0.9, 4 % at 0.95.
+#[inline(always)]
+fn two_resonances<S: Scalar>(logarithm: S) -> S {
+    let x = (S::constant(2.0) * logarithm.max(S::constant(FAINTEST))).sqrt();
+    polynomial(x, [1.0, 1.0 / 3.0, 1.0 / 36.0]) * x
+}
+
 #[cfg(test)]
 mod tests {
-    use super::{REFERENCE, crossing};
+    use super::{REFERENCE, crossing, one_resonance, two_resonances};
     use crate::effects::testing::error;
     use crate::{Conditions, Quantity};
 
@@ -149,11 +184,38 @@ mod tests {
             (0.95, 0.08),
         ] {
             let exact = -(-part).ln_1p();
+            let found = one_resonance(part);
             assert!(
-                (crossing(part) / exact - 1.0).abs() < apart,
-                "{part}: {} {exact}",
-                crossing(part)
+                (found / exact - 1.0).abs() < apart,
+                "{part}: {found} {exact}"
             );
         }
+    }
+
+    #[test]
+    fn two_resonances_reach_the_part_at_this_time() {
+        for (time, apart) in [(1e-3_f64, 1e-6), (0.5, 5e-4), (1.7, 5e-3), (3.8, 0.01)] {
+            let part = 1.0 - (1.0 + time) * (-time).exp();
+            let found = two_resonances(one_resonance(part));
+            assert!(
+                (found / time - 1.0).abs() < apart,
+                "{part}: {found} {time}"
+            );
+        }
+    }
+
+    #[test]
+    fn of_two_resonances_a_part_of_a_quarter_takes_half_the_time() {
+        let of_order = |order: f64| crossing(0.002, order) / crossing(0.0005, order);
+        assert!((of_order(1.0) - 4.0).abs() < 0.01); // p = s to first order
+        assert!((of_order(2.0) - 2.0).abs() < 0.03); // p = s^2 / 2
+        assert!(of_order(1.5) > of_order(2.0) && of_order(1.5) < of_order(1.0));
+    }
+
+    #[test]
+    fn no_distance_has_a_derivative() {
+        use crate::dual::Dual;
+        let walk: Dual<1> = crossing(Dual::variable(0.0, 0), Dual::fixed(2.0));
+        assert!(walk.value.abs() < 1e-11 && walk.derivatives[0].is_finite());
     }
 }
