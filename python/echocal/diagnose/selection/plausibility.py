@@ -1,4 +1,4 @@
-"""Whether the size of a cause is one that such devices and air have: docs/method/checks.md, Eq. 46 and 46a."""
+"""Whether the size of a cause is one that such devices have: docs/method/checks.md, Eq. 46 and 46a."""
 
 from collections.abc import Sequence
 from typing import Any
