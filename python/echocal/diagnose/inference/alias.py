@@ -13,6 +13,7 @@ from echocal.diagnose.settings.claims import ClaimSettings
 
 __all__ = ["Geometry"]
 
+Systematic = Sequence[tuple[int, float]]
 Matrix = NDArray[np.floating[Any]]
 
 
@@ -40,14 +41,17 @@ class Geometry:
             combination[list(variant.free)] = size
         return combination
 
-    def type_b(self, fit: HypothesisFit, systematic: Sequence[tuple[int, float]]) -> Matrix:
-        """Change of each coefficient by each error that all rows share: docs/method/checks.md, Eq. 17a.
+    def type_b(self, fit: HypothesisFit, systematic: Systematic) -> Matrix:
+        """Standard uncertainty of each coefficient from errors that all rows share.
 
-        A coefficient takes up of such an error what generalized least squares makes of it.
+        A coefficient takes up of such an error what generalized least squares makes of it:
+        docs/method/checks.md, Eq. 17a.
         """
-        columns, factors = [column for column, _ in systematic], [factor for _, factor in systematic]
-        free = [column for variant in fit.hypothesis.variants for column in variant.free]
-        return np.asarray(fit.covariance @ self.products[np.ix_(free, columns)] * factors)
+        columns, factors = [one for one, _ in systematic], np.array([factor for _, factor in systematic])
+        along = factors * (self.products[columns] @ signal)
+        among = factors[:, None] * self.products[np.ix_(columns, columns)] * factors
+        shared = along @ np.linalg.solve(among + np.eye(len(columns)), along)
+        return float(np.sqrt(np.maximum(signal @ self.products @ signal - shared, 0.0)))
 
     def visibility(self, signal: Matrix) -> float:
         """Signal over noise, summed over rows: ``snr sqrt(n)``."""

@@ -166,8 +166,8 @@ class Claim:
     rivals : tuple of str
     probability : float
         Probability of the cause or one of its rivals.
-    over_uncertainty : float
-        All its coefficients together over their standard uncertainty; infinite where theory fixes the size.
+    beyond_shared : float
+        Visibility of its signal beyond errors that all rows share; infinite where theory fixes the size.
     """
 
     variant: Variant
@@ -176,7 +176,7 @@ class Claim:
     type_b: NDArray[np.floating[Any]]
     rivals: tuple[str, ...]
     probability: float
-    over_uncertainty: float
+    beyond_shared: float
 
     @property
     def cause(self) -> str:
@@ -191,7 +191,6 @@ def claims(
     others = _by_cause(found.variants)
     made = []
     chosen = set(best.hypothesis.effects)
-    shared = geometry.type_b(best, found.systematic)
     known = [(v, place) for v, place in best.hypothesis.placed if v.cause != UNKNOWN]
     for variant, place in ((v, place) for v, place in known if v.cause not in beyond):
         signal = geometry.signal(variant, best.mean[place])
@@ -202,7 +201,7 @@ def claims(
         possible = {c: v for c, v in others.items() if c not in chosen}
         rivals = geometry.rivals(signal, possible, beside, ranking.settings.claims)
         probability = ranking.of([variant.cause, *rivals])
-        made.append(_claim(variant, best, place, shared, tuple(sorted(rivals)), probability))
+        made.append(_claim(variant, best, place, geometry, found, tuple(sorted(rivals)), probability))
     return sorted(made, key=lambda claim: -claim.probability)
 
 
@@ -217,9 +216,9 @@ def alternatives(ranking: Ranking, made: Sequence[Claim], found: Candidates, sta
             and ids[0] not in {UNKNOWN, *taken}
         ):
             fit = next(w for w in ranking.fits if w.hypothesis.causes == ids)
-            shared = Geometry(stack.likeliest(fit)[1], fit.variance).type_b(fit, found.systematic)
+            geometry = Geometry(stack.likeliest(fit)[1], fit.variance)
             ((variant, place),) = fit.hypothesis.placed
-            listed.append(_claim(variant, fit, place, shared, (), probability))
+            listed.append(_claim(variant, fit, place, geometry, found, (), probability))
     return listed
 
 
@@ -227,17 +226,17 @@ def _claim(
     variant: Variant,
     fit: HypothesisFit,
     place: slice,
-    shared: NDArray[np.floating[Any]],
+    geometry: Geometry,
+    found: Candidates,
     rivals: tuple[str, ...],
     probability: float,
 ) -> Claim:
-    """The claim of a cause at some coefficients of a fit; `shared` are the errors that all rows share."""
-    mean, own = fit.mean[place], shared[place]
-    of_rows = fit.covariance[place, place]
-    whole = np.linalg.pinv(of_rows + own @ own.T, hermitian=True)
-    over = float("inf") if variant.offset is not None else float(np.sqrt(mean @ whole @ mean))
-    deviation, type_b = np.sqrt(np.diag(of_rows)), np.linalg.norm(own, axis=1)
-    return Claim(variant, mean, deviation, type_b, rivals, probability, over)
+    """The claim of a cause of a fit."""
+    deviation, type_b = np.sqrt(np.diag(fit.covariance)), geometry.type_b(fit, found.systematic)
+    signal, beyond = geometry.signal(variant, fit.mean[place]), float("inf")
+    if variant.offset is None:
+        beyond = geometry.beyond_shared(signal, found.systematic)
+    return Claim(variant, fit.mean[place], deviation[place], type_b[place], rivals, probability, beyond)
 
 
 def _by_cause(variants: Sequence[Variant]) -> dict[str, list[Variant]]:
@@ -300,7 +299,7 @@ def free_size(cause: str, found: Candidates, beside: Hypothesis, stack: Stack) -
     free = Variant(cause, free=(found.size_tangents[cause][0],), bounds=((-np.inf, np.inf),))
     fit = fit_hypothesis(Hypothesis((free, *without(beside, cause).variants), 1.0), stack)
     shared = Geometry(stack.likeliest(fit)[1], fit.variance).type_b(fit, found.systematic)
-    return float(fit.mean[0]), float(np.hypot(np.sqrt(fit.covariance[0, 0]), np.linalg.norm(shared[0])))
+    return float(fit.mean[0]), float(np.hypot(np.sqrt(fit.covariance[0, 0]), shared[0]))
 
 
 def without(hypothesis: Hypothesis, cause: str) -> Hypothesis:

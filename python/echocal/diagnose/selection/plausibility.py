@@ -23,7 +23,7 @@ def implausible(claims: Sequence[Claim], ranking: Ranking) -> dict[str, str]:
     dict of str to str
         Ids, each with a sentence on the size.
     """
-    most, least = ranking.settings.claims.implausible, ranking.settings.claims.seen_from
+    most, least = ranking.settings.claims.implausible, ranking.settings.claims.beyond_shared
     said = {}
     everything = {claim.cause for claim in claims}
     for claim in claims:
@@ -33,10 +33,9 @@ def implausible(claims: Sequence[Claim], ranking: Ranking) -> dict[str, str]:
                 f"the size of {claim.cause} is {times:.2g} times the usual one, so {claim.cause} is not "
                 "named: something else may act that looks the same"
             )
-        elif claim.over_uncertainty < least:
+        elif claim.beyond_shared < least:
             said[claim.cause] = (
-                f"the size of {claim.cause} is {claim.over_uncertainty:.1f} times its standard uncertainty: "
-                "the law of the air, the tape and the moment of arrival may err by as much in all rows. So "
+                "the law of the air, the tape and the moment of arrival may err by as much in all rows, so "
                 f"{claim.cause} is not named"
             )
     return said
