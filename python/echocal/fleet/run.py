@@ -140,6 +140,21 @@ def diagnose_fleet(
         If there is no sensor.
     UsageError
         If a request contradicts itself, or an output cannot be written.
+
+    Examples
+    --------
+    >>> import pathlib, tempfile
+    >>> import numpy as np
+    >>> import pandas as pd
+    >>> import echocal
+    >>> folder = pathlib.Path(tempfile.mkdtemp())
+    >>> noise = 1e-3 * np.sin(np.arange(40.0) ** 2)
+    >>> for name, offset in (("cellar", 0.0), ("roof", 0.02)):
+    ...     log = pd.DataFrame({"reading_m": 1.0 + offset + noise, "temperature_C": 20.0})
+    ...     log.to_csv(folder / f"{name}.csv", index=False)
+    >>> fleet = echocal.diagnose_fleet(folder / "*.csv", reference_distance=1.0, workers=1)
+    >>> [(row["sensor"], row["verdict"]) for row in fleet.rows]
+    [('cellar', 'nothing'), ('roof', 'named')]
     """
     begun = time.perf_counter()
     given = [inputs] if isinstance(inputs, str | Path) else list(inputs)

@@ -10,9 +10,12 @@ from echocal.errors import DataWarning, UsageError
 from echocal.observations.table import Observations
 
 if TYPE_CHECKING:
+    import pandas as pd
+
+    from echocal.observations.found import Found
     from echocal.observations.join import Join
 
-__all__ = ["read_observations"]
+__all__ = ["read_observations", "understood"]
 
 
 def read_observations(
@@ -102,11 +105,7 @@ def read_observations(
     from echocal.observations import plan
     from echocal.observations.assembly import Assembly
     from echocal.observations.at import conditions_at, sentences
-    from echocal.observations.doubtful import doubtful_in
-    from echocal.observations.found import found_in
-    from echocal.observations.hints import completed
     from echocal.observations.numbers import Missing
-    from echocal.observations.sensors import note_of
     from echocal.observations.source import load
     from echocal.observations.text import Layout
 
@@ -118,14 +117,10 @@ def read_observations(
     codes = Missing(missing)
     stated = conditions_at(at, table)
     codes.refuse_unknown(table.columns)
-    found = found_in(table)
-    asked = plan.read_columns(columns)
-    doubtful = doubtful_in(table, {**found.requests, **asked})
-    requests, said = completed(list(table.columns), asked, found, doubtful)
+    requests, found, said = understood(table, columns)
     planned = plan.make(list(table.columns), requests, trust)
     assembly = Assembly(table, planned, codes, {*trust, *found.sure}, time_zone, time_format=time_format)
-    several = note_of(table, set(asked))
-    assembly.notes += [*found.notes, *said, *([several] if several else [])]
+    assembly.notes += [*found.notes, *said]
     assembly.mark_corrupt(found.corrupt)
     observations = assembly.observations(reading_speed)
     observations = _with_joins(observations, found.joined)
@@ -134,6 +129,23 @@ def read_observations(
     if not observations.usable.all():
         warnings.warn("; ".join(observations.notes), DataWarning, stacklevel=2)
     return observations
+
+
+def understood(
+    table: "pd.DataFrame", columns: Mapping[str, str] | str | Path | None
+) -> tuple[dict[str, str], "Found", list[str]]:
+    """What columns hold by the user, the log, their names and units; what the log says; what to tell."""
+    from echocal.observations.doubtful import doubtful_in
+    from echocal.observations.found import found_in
+    from echocal.observations.hints import completed
+    from echocal.observations.plan import read_columns
+    from echocal.observations.sensors import note_of
+
+    found, asked = found_in(table), read_columns(columns)
+    doubtful = doubtful_in(table, {**found.requests, **asked})
+    requests, said = completed(list(table.columns), asked, found, doubtful)
+    several = note_of(table, set(asked))
+    return requests, found, [*said, *([several] if several else [])]
 
 
 def _with_joins(observations: Observations, joined: Mapping[str, "Join"]) -> Observations:
