@@ -222,7 +222,7 @@ def _until_it_ends(run: Run, rows: Source, quiet: bool) -> None:
             run.end()
             _say(run.summary(), quiet)
     if asked is None:
-        run.refuse_nothing()
+        run.refuse_nothing(rows.empty())
     if asked is not None:
         raise asked
 

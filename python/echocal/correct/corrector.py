@@ -12,7 +12,7 @@ from echocal.correct.needed import Needed, needed, refuse_repeated
 from echocal.correct.rows import Rows, correct_rows, no_distance, whole_log
 from echocal.correct.tables import refuse_corrected
 from echocal.domain import counting
-from echocal.errors import DataError
+from echocal.errors import DataError, among
 from echocal.model import Model
 from echocal.model.folder import label
 from echocal.model.indicated_speed import speed_of
@@ -111,7 +111,7 @@ class Corrector:
         self.key = "" if job.models.folder is None else key
         self.by = job.models.by if self.key is None else ""
         if self.by and self.by not in self._names:
-            message = f"there is no column '{self.by}' with the key of a row; it has {', '.join(self._names)}"
+            message = f"there is no column '{self.by}' with the key of a row{among(self.by, self._names)}"
             raise DataError(message)
         self._needed: dict[str, Needed] = {}
         if self.key is not None:

@@ -16,6 +16,7 @@ from echocal.observations.fields import span
 from echocal.observations.found import found_in
 from echocal.observations.layout import Layout
 from echocal.observations.names import EXTRA, IGNORE
+from echocal.observations.plan import refuse_absent
 from echocal.observations.proposals import Proposal, codes_in, propose
 from echocal.observations.reading import read_observations
 from echocal.observations.sensors import note_of, sensors_in
@@ -161,6 +162,7 @@ def inspect_log(
         If the file cannot be read as a table of any kind.
     """
     table = load(path, layout, sheet=sheet)
+    refuse_absent(columns, table.columns)
     found = found_in(table)
     proposals = propose(table, found, columns)
     away = {EXTRA, IGNORE}

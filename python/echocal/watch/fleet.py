@@ -9,7 +9,7 @@ import numpy as np
 
 from echocal.correct.rows import Reading
 from echocal.correct.uncertainty import Uncertainties
-from echocal.errors import DataError, EchocalError, UsageError
+from echocal.errors import DataError, EchocalError, UsageError, among
 from echocal.model import Model
 from echocal.model.folder import label
 from echocal.observations.at import uncertainties_of
@@ -107,6 +107,9 @@ class Fleet:
             uncertainties=Uncertainties(stated),
             at=at,
         )
+        codes = own.get("missing", ())
+        named = {"column": own.get("columns", ()), "trust": self._reading.trust}
+        self._named = {**named, "missing": codes if isinstance(codes, Mapping) else ()}
         self._time_format = own.get("time_format")
         self._comparison = Comparison(self.reference, self.state)
 
@@ -348,12 +351,10 @@ class Fleet:
         names = list(dict.fromkeys(name for row in rows for name in row))
         try:
             if self.by is not None and not any(_id_of(row.get(self.by)) for row in rows):
-                message = (
-                    f"a row has no sensor id in the column '{self.by}' of --by; it has {', '.join(names)}"
-                )
+                message = f"a row has no sensor id in the column '{self.by}' of --by{among(self.by, names)}"
                 raise DataError(message)
             known = {name for row in rows for name in self._reader.columns(list(row), units).plan.assignments}
-            asked = list(self.options.get("columns") or ())
+            asked = [(f"--{name}", column) for name, own in self._named.items() for column in own if column]
             refuse_columns(names, asked, known, RESULTS, self.reference, self.interval)
             self._refuse_no_echo(rows[0], units)
         except (DataError, UsageError) as error:

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from echocal.errors import DataError, UsageError
+from echocal.errors import DataError, UsageError, among
 from echocal.model.folder import label as label_of
 from echocal.observations import Observations
 from echocal.observations.plan import read_columns
@@ -111,9 +111,7 @@ def divided(table: Any, by: str, how: Mapping[str, Any]) -> Sources:
     layout = Layout(how.get("skip_lines", 0), how.get("decimal"), how.get("encoding", "utf-8-sig"), by)
     whole = load(table, layout, sheet=how.get("sheet"))
     if by not in whole.columns:
-        message = (
-            f"there is no column '{by}' to divide the table by; it has {', '.join(map(str, whole.columns))}"
-        )
+        message = f"there is no column '{by}' to divide the table by{among(by, whole.columns)}"
         raise DataError(message)
     labels = [label_of(value) for value in whole[by].tolist()]
     if not any(labels):
