@@ -1,7 +1,7 @@
 """`echocal.correct`: append a corrected distance and a reason code to a table."""
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -12,19 +12,14 @@ from numpy.typing import NDArray
 from echocal.correct.needed import needed
 from echocal.correct.results import DISTANCE, RESULTS, STATUS, UNCERTAINTY, UNUSABLE
 from echocal.correct.rows import Reading, Rows, correct_rows
-from echocal.correct.uncertainty import Uncertainties
-from echocal.errors import DataError, UsageError
+from echocal.errors import DataError
 from echocal.model import Model
-from echocal.observations.at import uncertainties_of
-from echocal.observations.given import reading_keywords, refuse_keywords
-from echocal.observations.layout import Layout
+from echocal.observations.given import READ_OPTIONS, refuse_keywords
 from echocal.observations.numbers import Missing
 from echocal.observations.reading import understood
 from echocal.observations.source import load
 
 __all__ = ["Corrected", "correct", "correct_table", "refuse_corrected", "results_of"]
-
-_LAYOUT = ("skip_lines", "decimal", "encoding")
 
 
 @dataclass(frozen=True)
@@ -114,22 +109,13 @@ def correct(
     >>> echocal.correct(echoes, device).table["corrected_distance_m"].round(6).tolist()
     [2.000305, 1.001011]
     """
-    refuse_keywords(correct, options, reading_keywords())
-    layout = Layout(**{name: options[name] for name in _LAYOUT if name in options})
-    whole = load(table, layout, sheet=options.get("sheet"))
+    refuse_keywords(correct, options, READ_OPTIONS)
+    said = {"columns": columns, "reading_speed": reading_speed, **options}
+    reading = Reading.of(said, uncertainties, mark_rows)
+    whole = load(table, reading.layout, sheet=reading.sheet)
     refuse_corrected(whole.columns)
-    requests, found, said = understood(whole, columns)
-    at = {name: str(value) for name, value in (options.get("at") or {}).items()}
-    reading = Reading(
-        missing=options.get("missing", ()),
-        trust={*as_names(options.get("trust", ())), *found.sure},
-        time_zone=options.get("time_zone", "UTC"),
-        reading_speed=None if reading_speed is None else str(reading_speed),
-        mark_rows=mark_rows,
-        uncertainties=Uncertainties({**uncertainties_of(at), **Uncertainties.of(uncertainties).stated}),
-        at=at,
-        time_format=options.get("time_format"),
-    )
+    requests, found, notes = understood(whole, reading.requests)
+    reading = replace(reading, trust={*reading.trust, *found.sure})
     Missing(reading.missing).refuse_unknown(whole.columns)
     read = needed(
         list(whole.columns),
@@ -144,8 +130,8 @@ def correct(
         lost = [row for row, why in found.corrupt.items() if why == reason]
         rows = rows.lost(np.isin(np.arange(len(whole)), lost), reason)
     unusable, marked = counts(rows)
-    notes = (*found.notes, *said, *rows.notes, *said_of(marked))
-    return Corrected(_appended(table, whole, results_of(rows)), len(whole), unusable, notes, marked)
+    notes = [*found.notes, *notes, *rows.notes, *said_of(marked)]
+    return Corrected(_appended(table, whole, results_of(rows)), len(whole), unusable, tuple(notes), marked)
 
 
 correct_table = correct
@@ -194,12 +180,3 @@ def said_of(marked: Mapping[str, int]) -> tuple[str, ...]:
         return ()
     said = "; ".join(f"{count} x {reason}" for reason, count in marked.items())
     return (f"rows with the distance by the model without its smooth correction: {said}",)
-
-
-def as_names(trust: Any) -> Collection[str]:
-    """Trusted columns as a list of names."""
-    listed = [trust] if isinstance(trust, str) else trust
-    if not isinstance(listed, Collection) or not all(isinstance(name, str) for name in listed):
-        message = f'trust lists names of columns, ["temperature_C"]; got {trust!r}'
-        raise UsageError(message)
-    return listed
