@@ -1,6 +1,7 @@
 """Pages that are made: the start (README), the command line (its help), Python (its docstrings)."""
 
 import re
+from operator import attrgetter
 from pathlib import Path
 from typing import Any
 
@@ -20,8 +21,17 @@ TOPICS = {
     "Air and distances": ("speed_of_sound", "time_of_flight", "distance", "error", "absorption"),
     "Models": ("Model", "effects", "domain_violations"),
     "Waveforms": ("echo_times", "EchoTimes", "read_waveforms"),
-    "Tables": ("read_observations", "Observations", "correct_files", "sweep"),
-    "Diagnosis": ("diagnose", "diagnose_many", "Diagnosis", "noises", "gross_faults", "row_faults"),
+    "Tables": ("read_observations", "Observations", "correct", "Corrected", "correct_files", "sweep"),
+    "Diagnosis": (
+        "diagnose",
+        "diagnose_many",
+        "diagnose_fleet",
+        "Diagnosis",
+        "noises",
+        "gross_faults",
+        "row_faults",
+    ),
+    "Watching": ("watch.Fleet", "watch.Reference", "watch.State", "watch.WatchSettings", "watch.Event"),
     "Calibration and verification": (
         "calibrate",
         "Calibration",
@@ -93,7 +103,7 @@ def _python() -> str:
     for topic, names in TOPICS.items():
         lines += [f"## {topic}", ""]
         for name in names:
-            made = getattr(echocal, name)
+            made = attrgetter(name)(echocal)
             made = getattr(made, "__wrapped__", made)
             lines += [
                 f"::: {made.__module__}.{made.__qualname__}",

@@ -171,7 +171,7 @@ TABLES: dict[str, tuple[dict[str, Any], dict[str, Any], type[Exception], str]] =
         {"SR_U": [2.0]},
         {"columns": {"SR_U": "readng_m"}},
         UsageError,
-        "'SR_U' = 'readng_m' names no quantity (did you mean reading_m?); accepted: echo_us, echo_ms,",
+        "'SR_U' = 'readng_m' names no quantity; did you mean 'reading_m'? Accepted: echo_us, echo_ms,",
     ),
     "mapping onto an unknown unit": (
         {"SR_U": [2.0]},
@@ -247,7 +247,7 @@ TABLES: dict[str, tuple[dict[str, Any], dict[str, Any], type[Exception], str]] =
         ECHO,
         {"missing": {"echo": [-9999]}},
         UsageError,
-        "error codes for column 'echo', which is not there; it has: echo_us",
+        "error codes for column 'echo', which is not there; did you mean 'echo_us'? It has echo_us",
     ),
     "trust in a column that is not there": (ECHO, {"trust": ["echo"]}, UsageError, "no column 'echo'"),
 }

@@ -13,9 +13,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import echocal
-import echocal.correct.text.file as text_file
 from echocal import _core
 from echocal.correct import correct_files
+from echocal.correct.text import file as text_file
 from echocal.correct.text import parse
 from echocal.correct.text.write import _shortest
 from echocal.observations.layout import Layout

@@ -153,7 +153,7 @@ def test_an_unknown_id_suggests_the_nearest() -> None:
     )
     assert run_.returncode == 2
     assert run_.stdout == ""
-    assert run_.stderr.startswith("echocal: unknown cause 'humidty'; did you mean 'humidity'? known: ")
+    assert run_.stderr.startswith("echocal: unknown cause 'humidty'; did you mean 'humidity'? Known: ")
     assert run_.stderr.count("\n") == 1
 
 

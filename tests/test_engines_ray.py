@@ -1,4 +1,4 @@
-"""The same on Ray. It is not among the packages that the project's tests install."""
+"""The same on Ray."""
 
 import os
 import signal

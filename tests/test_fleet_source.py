@@ -201,7 +201,8 @@ def test_a_sensor_of_two_kinds_is_refused(tmp_path: Path, table: pl.DataFrame) -
 def test_a_key_that_is_not_there_is_refused(tmp_path: Path, table: pl.DataFrame) -> None:
     write(table, tmp_path / "a.parquet")
     with pytest.raises(
-        DataError, match=r"no column 'sensor', and no folder .* is named sensor=...; it has time"
+        DataError,
+        match=r"no column 'sensor', and no folder .* is named sensor=...; did you mean .* It has time",
     ):
         index_of(tmp_path, "sensor")
 

@@ -45,7 +45,7 @@ def test_a_scalar_speed_loads_only_numpy() -> None:
     assert loaded("import echocal; echocal.speed_of_sound(20.0, 0.5)") & HEAVY <= {"numpy"}
 
 
-@pytest.mark.parametrize("name", ["calibrate", "diagnose", "sweep", "verify"])
+@pytest.mark.parametrize("name", ["calibrate", "correct", "diagnose", "sweep", "verify"])
 def test_a_function_is_not_hidden_by_its_module(name: str) -> None:
     program = f"import echocal, echocal.{name}\nassert callable(echocal.{name}), echocal.{name}"
     program += f"\nfrom echocal import {name}\nassert callable({name})"
@@ -53,8 +53,16 @@ def test_a_function_is_not_hidden_by_its_module(name: str) -> None:
 
 
 def test_every_public_name_is_there_and_listed() -> None:
-    assert set(echocal.__all__) <= set(dir(echocal))
+    assert dir(echocal) == sorted(echocal.__all__)
     for name in echocal.__all__:
         assert getattr(echocal, name) is not None
+    assert echocal.correct.correct_table is echocal.correct  # type: ignore[attr-defined]
+    assert echocal.watch.Fleet.__module__ == "echocal.watch.fleet"
     with pytest.raises(AttributeError, match="no attribute 'nothing'"):
         _ = echocal.nothing
+
+
+def test_a_function_that_names_the_package_travels() -> None:
+    """Spark, Ray and dask send the functions of a script by value, and the modules that they name."""
+    cloudpickle = pytest.importorskip("cloudpickle")
+    assert cloudpickle.loads(cloudpickle.dumps(echocal)) is echocal

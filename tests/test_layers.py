@@ -1,6 +1,7 @@
 """Arrows point one way: a module imports only what stands below it."""
 
 import ast
+import re
 import tomllib
 from collections.abc import Iterator
 from graphlib import CycleError, TopologicalSorter
@@ -22,10 +23,10 @@ LAYERS = (
     {"model"},
     {"observations", "waveforms"},
     {"sweep", "calibrate", "engines"},
-    {"virtual_bench"},
+    {"virtual_bench", "correct"},
     {"diagnose", "silicon", "echoes", "verify"},
     {"panels"},
-    {"plots", "report", "firmware", "batch", "correct"},
+    {"plots", "report", "firmware"},
     {"study", "explore", "emulation", "fleet", "watch"},
     {"pages"},
     {"cli"},
@@ -125,6 +126,17 @@ def test_no_files_import_each_other_in_a_circle() -> None:
 
 def dependencies(manifest: str) -> set[str]:
     return set(tomllib.loads((ROOT / manifest).read_text()).get("dependencies", {}))
+
+
+def test_the_readme_tells_the_dependencies_of_the_crates() -> None:
+    for folder, said in re.findall(r"^\| `(rust/\w+)` \| (.*) \|$", (ROOT / "README.md").read_text(), re.M):
+        sources = "".join(path.read_text() for path in (ROOT / folder / "src").rglob("*.rs"))
+        used = {
+            name for name in dependencies(f"{folder}/Cargo.toml") if f"{name.replace('-', '_')}::" in sources
+        }
+        told = re.search(r"depends on (`[\w-]+`) only", said)
+        assert told is None or used == {told[1].strip("`")}, f"{folder} uses {used}"
+        assert "uses no other crate" not in said or not used, f"{folder} uses {used}"
 
 
 def test_crates_point_down() -> None:

@@ -1,6 +1,7 @@
 """The files that a release needs: workflows, citation, metadata; and the completion of the shell."""
 
 import os
+import re
 import subprocess
 import sys
 import tomllib
@@ -33,6 +34,20 @@ def output(*command: str, **environment: str) -> str:
 )
 def test_files_have_their_schema(schema: str, path: str) -> None:
     output(str(BIN / "check-jsonschema"), "--builtin-schema", schema, path)
+
+
+def test_no_test_is_left_out_for_want_of_a_package() -> None:
+    """What a test skips without is installed by the gate, by the extras test and bench."""
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    extras = project["optional-dependencies"]
+    named = " ".join([*project["dependencies"], *extras["test"], *extras["bench"]])
+    under_others = {"paho": "paho-mqtt", "sklearn": "scikit-learn", "cloudpickle": "distributed"}
+    for path in (ROOT / "tests").rglob("test_*.py"):
+        for name in re.findall(r"importorskip\(\s*\"(\w+)", path.read_text()):
+            assert name == "fcntl" or re.search(rf"\b{under_others.get(name, name)}\b", named), (
+                path.name,
+                name,
+            )
 
 
 def test_workflows_are_safe() -> None:

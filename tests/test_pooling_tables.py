@@ -62,7 +62,7 @@ def test_tables_that_are_too_small_are_listed_and_the_rest_proceeds(fleet: pd.Da
 
 
 def test_an_absent_column_is_named_with_those_that_there_are(fleet: pd.DataFrame) -> None:
-    with pytest.raises(DataError, match=r"no column 'sensor'.*it has reading_m, temperature_C.*sensor_id"):
+    with pytest.raises(DataError, match=r"no column 'sensor'.*It has reading_m, temperature_C.*sensor_id"):
         echocal.diagnose_many(fleet, by="sensor")
     with pytest.raises(DataError, match="'sensor_id' is empty in every row"):
         echocal.diagnose_many(fleet.assign(sensor_id=None), by="sensor_id")

@@ -11,7 +11,6 @@ from test_readers_logs import Run, shell
 
 import echocal
 from echocal.observations.inspection import Inspection, inspect_log
-from echocal.observations.layout import Layout
 
 __all__ = ["shell"]
 
@@ -19,7 +18,7 @@ CASES = Path(__file__).parent / "cases"
 
 
 def inspected(path: Path) -> tuple[Inspection, dict[str, str]]:
-    found = inspect_log(path, Layout(), {}, {})
+    found = inspect_log(path)
     return found, {column.name: column.proposal.request for column in found.columns}
 
 

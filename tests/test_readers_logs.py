@@ -75,9 +75,8 @@ def test_what_is_read_is_what_was_written(kind: str, random: np.random.Generator
         options["encoding"] = made.flags[1]
     elif made.flags == ["--options"]:
         from echocal.observations.inspection import inspect_log
-        from echocal.observations.layout import Layout
 
-        options["columns"] = inspect_log(tmp_path / made.name, Layout(), {}, {}).requests
+        options["columns"] = inspect_log(tmp_path / made.name).requests
     data = _quietly(tmp_path / made.name, **options)
     usable = data.usable
     if made.readings == 1 and len(data) == len(truth.distance):

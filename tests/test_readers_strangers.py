@@ -10,7 +10,7 @@ from stranger_logs import Expected, logs
 
 import echocal
 from echocal.observations.inspection import inspect_log
-from echocal.observations.layout import Layout
+from echocal.observations.options import ReadOptions
 
 NAMES = tuple(logs(np.random.default_rng(0)))
 
@@ -22,7 +22,7 @@ def test_a_log_of_a_stranger_is_read_right_or_asked_about(
     expected = logs(random)[name]
     path = tmp_path / "log.txt"
     path.write_text("\n".join(expected.lines) + "\n", encoding="utf-8")
-    found = inspect_log(path, Layout(), expected.column, {})
+    found = inspect_log(path, ReadOptions(columns=expected.column))
     assert not [column for column in expected.never if found.requests.get(column)]
     options: dict[str, Any] = {"columns": found.requests, "reading_speed": 343}
     if not any(column.proposal.request.startswith("temperature") for column in found.columns):

@@ -96,7 +96,7 @@ def test_equations_are_mathematics(site: Path) -> None:
 
 def test_the_reference_has_every_public_name(site: Path) -> None:
     anchors = Loaded(site / "reference" / "python.html").anchors
-    tables = {"DEPARTURES", "DOMAIN_VIOLATIONS", "__version__", "firmware"}
+    tables = {"DEPARTURES", "DOMAIN_VIOLATIONS", "__version__", "firmware", "watch"}
     same = {"departures": "domain_violations"}
     for name in set(echocal.__all__) - tables:
         assert any(anchor.rpartition(".")[2] == same.get(name, name) for anchor in anchors), name

@@ -1,4 +1,4 @@
-"""The recipe of docs/dataframes.md on Spark, which is not among the packages of the tests."""
+"""The recipe of docs/dataframes.md on Spark."""
 
 import os
 import shutil

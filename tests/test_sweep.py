@@ -96,7 +96,7 @@ def test_texts() -> None:
         ({"temperature": [1.0, 1.0]}, "temperature: a value occurs more than once"),
         (
             {"temperature": 20.0, "humidity": 0.5},
-            "unknown influence quantity 'humidity'; known: temperature, relative",
+            "unknown influence quantity 'humidity'; did you mean 'relative_humidity'? Known: temp",
         ),
         (
             {"temperature": (0, 50, 0.001), "distance": (0, 4, 0.0001)},

@@ -1,6 +1,7 @@
 """Tables as they are, in every function that takes observations; keywords that a function does not have."""
 
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -72,7 +73,7 @@ CALLS: dict[str, tuple[Callable[[Any], object], str]] = {
     "diagnose_many": (lambda t: echocal.diagnose_many({"a": t, "b": t}, sede=1), "seed"),
     "calibrate": (lambda t: echocal.calibrate(t, Model("linear"), ["zero_error"], los="huber"), "loss"),
     "verify": (lambda t: echocal.verify(t, modle=Model("linear"), **MPE), "model"),
-    "correct_table": (lambda t: correct_table(t, Model("linear"), mising=[-1]), "missing"),
+    "correct": (lambda t: echocal.correct(t, Model("linear"), mising=[-1]), "missing"),
 }
 
 
@@ -87,8 +88,41 @@ def test_an_unknown_keyword_is_refused_by_the_function_called(
 
 def test_what_is_no_table_is_refused(rows: dict[str, np.ndarray]) -> None:
     model = Model("linear")
-    for call in (lambda: echocal.verify(7, **MPE), lambda: echocal.calibrate(7, model, ["zero_error"])):
+    calls: list[Callable[[], object]] = [
+        lambda: echocal.verify(7, **MPE),
+        lambda: echocal.calibrate(7, model, ["zero_error"]),
+        lambda: echocal.correct(7, model),
+    ]
+    for call in calls:
         with pytest.raises(UsageError, match="int"):
             call()
-    with pytest.raises(UsageError, match="in memory"):
-        correct_table("log.csv", model)
+
+
+def test_a_log_is_corrected_as_it_is_read(tmp_path: Path) -> None:
+    """The same columns by name and unit, options and reasons as `read_observations` has."""
+    log = tmp_path / "log.csv"
+    log.write_text("logger 7\nDistance (cm);Luft (°C)\n100,5;20\n-1;20\n99,5;20;3\n", encoding="cp1252")
+    how: dict[str, Any] = {"skip_lines": 1, "columns": {"Luft (°C)": "temperature_C"}, "missing": [-1]}
+    found = echocal.correct(log, Model("linear", {"zero_error": {"offset": 5e-3}}), **how)
+    assert found.table["corrected_distance_m"].round(6).tolist()[0] == 1.0
+    with pytest.warns(echocal.DataWarning):
+        read = echocal.read_observations(log, **how)
+    assert found.table["status"].tolist() == read.unusable.tolist()
+    assert [note for note in found.notes if note.startswith("read by name and unit: 'Distance (cm)'")]
+    bare = {"reading_m": [1.0, 1.1]}
+    stated = echocal.correct(bare, Model("linear"), at={"temperature": "20+-2"})
+    assert stated.table.equals(
+        echocal.correct(
+            {**bare, "temperature_C": [20, 20]}, Model("linear"), uncertainties={"temperature_C": 2}
+        ).table.drop(columns="temperature_C")
+    )
+
+
+def test_a_diagnosis_corrects_a_table(rows: dict[str, np.ndarray]) -> None:
+    diagnosis = echocal.diagnose(rows)
+    later = pd.DataFrame({"Distance (mm)": 1e3 * rows["reading_m"], "Temp (°C)": rows["temperature_C"]})
+    found = diagnosis.correct(later)
+    assert found.table.equals(echocal.correct(later, diagnosis.model).table)
+    assert np.abs(found.table["corrected_distance_m"] - rows["distance_m"]).max() < 1e-3
+    of_numbers = diagnosis.correct(later["Distance (mm)"] / 1e3, temperature=later["Temp (°C)"])
+    np.testing.assert_allclose(of_numbers.value, found.table["corrected_distance_m"], atol=1e-4)

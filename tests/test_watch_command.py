@@ -30,6 +30,38 @@ def lines(path: Path) -> list[dict[str, Any]]:
     return [json.loads(line) for line in path.read_text().splitlines()]
 
 
+@pytest.mark.parametrize(
+    ("files", "source", "said"),
+    [
+        ({"log.csv": ""}, "log.csv", "log.csv is empty"),
+        ({"logs/a.csv": "", "logs/b.csv": ""}, "logs", "logs/a.csv is empty"),
+        ({"logs/a.txt": ""}, "logs", "logs has no file to watch; endings: .csv"),
+    ],
+)
+@pytest.mark.parametrize("state", [[], ["--state", "s.db"]])
+def test_a_watch_of_nothing_is_no_success(
+    files: dict[str, str], source: str, said: str, state: list[str], run: Run, tmp_path: Path
+) -> None:
+    (tmp_path / "logs").mkdir()
+    for name, text in files.items():
+        (tmp_path / name).write_text(text)
+    code, told = run("watch", source, "--law", "cramer", "--once", "--correct-only", *state)
+    assert (code, told.splitlines()[-1][: len(said) + 9]) == (3, f"echocal: {said}")
+    (tmp_path / "header.csv").write_text("echo_us,temperature_C\n")
+    code, told = run("watch", "header.csv", "--law", "cramer", "--once", "--correct-only", *state)
+    assert "header.csv has no row" in told
+    assert code == (0 if state else 3)  # with a state the next start goes on
+
+
+@pytest.mark.parametrize(
+    "asked", ["--column redings_m=reading_m", "--trust reeding_m", "--missing reading_mm=-1", "--by reading"]
+)
+def test_a_misspelled_column_is_told(asked: str, run: Run, tmp_path: Path) -> None:
+    (tmp_path / "log.csv").write_text("time_s,reading_m,temperature_C\n0,1.5,20\n")
+    code, told = run("watch", "log.csv", "--law", "cramer", "--once", "--correct-only", *asked.split(" "))
+    assert (code, "did you mean 'reading_m'?" in told) == (3 if "--by" in asked else 2, True), told
+
+
 def test_a_growing_file_is_read_line_by_whole_line(
     run: Run, tmp_path: Path, random: np.random.Generator
 ) -> None:

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any
 from echocal._core import __version__, absorption, distance, error, speed_of_sound, time_of_flight
 
 if TYPE_CHECKING:
-    from echocal import firmware
+    from echocal import firmware, watch
     from echocal.calibrate import Calibration, Regression, calibrate
-    from echocal.correct import correct_files
+    from echocal.correct import Corrected, correct, correct_files
     from echocal.diagnose import Diagnosis, diagnose, diagnose_many, gross_faults, row_faults
     from echocal.diagnose.noises import noises
     from echocal.domain import DEPARTURES, DOMAIN_VIOLATIONS, departures, domain_violations
@@ -26,6 +26,7 @@ if TYPE_CHECKING:
         ModelError,
         UsageError,
     )
+    from echocal.fleet import diagnose_fleet
     from echocal.model import Model
     from echocal.observations import Observations, read_observations
     from echocal.registry import effects
@@ -38,6 +39,7 @@ __all__ = [
     "DOMAIN_VIOLATIONS",
     "BoundError",
     "Calibration",
+    "Corrected",
     "DataError",
     "DataWarning",
     "Diagnosis",
@@ -55,9 +57,11 @@ __all__ = [
     "__version__",
     "absorption",
     "calibrate",
+    "correct",
     "correct_files",
     "departures",
     "diagnose",
+    "diagnose_fleet",
     "diagnose_many",
     "distance",
     "domain_violations",
@@ -77,11 +81,12 @@ __all__ = [
     "time_of_flight",
     "verify",
     "verify_model",
+    "watch",
 ]
 
 _HOMES = {
     "calibrate": ("Calibration", "Regression", "calibrate"),
-    "correct": ("correct_files",),
+    "correct": ("Corrected", "correct", "correct_files"),
     "diagnose": ("Diagnosis", "diagnose", "diagnose_many", "gross_faults", "noises", "row_faults"),
     "domain": ("DEPARTURES", "DOMAIN_VIOLATIONS", "departures", "domain_violations"),
     "emulation": ("Emulation", "emulate", "error_parts"),
@@ -95,6 +100,7 @@ _HOMES = {
         "ModelError",
         "UsageError",
     ),
+    "fleet": ("diagnose_fleet",),
     "model": ("Model",),
     "observations": ("Observations", "read_observations"),
     "registry": ("effects",),
@@ -109,8 +115,8 @@ _HOME = {name: home for home, names in _HOMES.items() for name in names}
 
 def __getattr__(name: str) -> Any:
     """Import what takes long to import when it is asked for."""
-    if name == "firmware":
-        return import_module("echocal.firmware")
+    if name in {"firmware", "watch"}:
+        return import_module(f"echocal.{name}")
     if name not in _HOME:
         message = f"module 'echocal' has no attribute '{name}'"
         raise AttributeError(message)
@@ -120,8 +126,8 @@ def __getattr__(name: str) -> Any:
 
 
 def __dir__() -> list[str]:
-    """Every public name, also of what is not imported yet."""
-    return sorted({*globals(), *__all__})
+    """The public names alone, also of what is not imported yet."""
+    return sorted(__all__)
 
 
 def _function(name: str) -> property:
@@ -136,9 +142,14 @@ class _Package(ModuleType):
     """The package, in which ``echocal.diagnose`` is the function, whatever was imported before."""
 
     calibrate = _function("calibrate")
+    correct = _function("correct")
     diagnose = _function("diagnose")
     sweep = _function("sweep")
     verify = _function("verify")
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Travel by name, as other modules do: functions sent to Spark or Ray may name the package."""
+        return import_module, (self.__name__,)
 
 
 sys.modules[__name__].__class__ = _Package

@@ -1,13 +1,12 @@
 """How arguments become columns of influence quantities."""
 
 from collections.abc import Iterable, Mapping
-from difflib import get_close_matches
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from echocal.errors import UsageError
+from echocal.errors import UsageError, among
 from echocal.quantities import QUANTITIES
 
 __all__ = ["columns", "numbers", "refuse_unknown", "unmasked"]
@@ -17,9 +16,7 @@ def refuse_unknown(names: Iterable[str]) -> None:
     """Raise `UsageError` where a name is none of an influence quantity."""
     for name in names:
         if name not in QUANTITIES:
-            near = get_close_matches(name, QUANTITIES, n=1)
-            hint = f"; did you mean '{near[0]}'?" if near else ";"
-            message = f"unknown influence quantity '{name}'{hint} known: {', '.join(QUANTITIES)}"
+            message = f"unknown influence quantity '{name}'{among(name, QUANTITIES, 'known:')}"
             raise UsageError(message)
 
 

@@ -1,8 +1,9 @@
 """Errors and warnings; each error has its exit code of the command line."""
 
 import traceback
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from contextlib import contextmanager
+from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
@@ -16,9 +17,12 @@ __all__ = [
     "ModelError",
     "OutputError",
     "UsageError",
+    "among",
     "unexpected",
     "writing",
 ]
+
+_LONGEST = 80  # letters of a name that is compared with others: the time goes with their square
 
 
 class EchocalError(Exception):
@@ -55,6 +59,20 @@ class BoundError(EchocalError, ValueError):
 
     exit_code = 4
     best: Any = None  # what reaches it, where there is such a thing
+
+
+def among(name: str, known: Collection[str], have: str = "it has") -> str:
+    """What to say behind a name that is not known: the nearest one that is, and all of them.
+
+    Examples
+    --------
+    >>> among("sensorid", ["time", "sensor_id"]), among("b", ["time"])
+    ("; did you mean 'sensor_id'? It has time, sensor_id", '; it has time')
+    """
+    listed = f"{have} {', '.join(known)}"
+    names = {own.lower(): own for own in known if max(len(own), len(name)) <= _LONGEST}
+    near = get_close_matches(name.lower(), names, n=1, cutoff=0.5)
+    return f"; did you mean '{names[near[0]]}'? {listed[0].upper()}{listed[1:]}" if near else f"; {listed}"
 
 
 class DataWarning(UserWarning):

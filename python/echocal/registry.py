@@ -1,13 +1,12 @@
 """The registry of effects as typed data."""
 
-import difflib
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from functools import cache
 from typing import Any, Literal, TypeVar
 
 from echocal import _core
-from echocal.errors import UsageError
+from echocal.errors import UsageError, among
 
 __all__ = ["Effect", "Parameter", "effects", "find_effect", "found"]
 
@@ -179,8 +178,6 @@ def _by_id() -> Mapping[str, Effect]:
 def found(id_: str, known: Mapping[str, T], what: str) -> T:
     """Return the entry of this id, or raise `UsageError` with the nearest that there is."""
     if id_ not in known:
-        near = difflib.get_close_matches(id_, known, n=1, cutoff=0.4)
-        hint = f"did you mean '{near[0]}'? " if near else ""
-        message = f"unknown {what} '{id_}'; {hint}known: {', '.join(known)}"
+        message = f"unknown {what} '{id_}'{among(id_, known, 'known:')}"
         raise UsageError(message)
     return known[id_]

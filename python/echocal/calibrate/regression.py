@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from echocal.calibrate.form import Column, Columns, Parameter
-from echocal.errors import DataError, UsageError
+from echocal.errors import DataError, UsageError, among
 from echocal.model import Model
 from echocal.observations import Observations
 from echocal.quantities import QUANTITIES
@@ -171,6 +171,6 @@ def _column(observations: Observations, name: str) -> Column:
     if observations.reference_distance is not None:
         known["distance"] = observations.reference_distance
     if name not in known:
-        message = f"the table has no column '{name}'; it has: {', '.join(known)}"
+        message = f"the table has no column '{name}'{among(name, known)}"
         raise DataError(message)
     return known[name]

@@ -85,12 +85,9 @@ def diagnose_sensors(
         If a sensor cannot be diagnosed; everything is written then.
     """
     from echocal.fleet import diagnose_fleet
-    from echocal.observations.text import Layout
     from echocal.report.fleet import print_fleet
 
     _check(inputs, used, outputs, force)
-    reading = dict(reading)
-    layout = Layout(reading.pop("skip_lines"), reading.pop("decimal"), reading.pop("encoding"))
     with _bar(quiet) as bar:
         task = bar.add_task("sensors", total=None, rate="")
         start: dict[str, float] = {}
@@ -109,7 +106,6 @@ def diagnose_sensors(
             results=outputs.results,
             kind=how.kind,
             reading=reading,
-            layout=layout,
             workers=how.workers,
             engine=how.engine,
             memory=in_bytes(how.memory),

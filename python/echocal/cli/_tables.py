@@ -3,9 +3,13 @@
 import json
 import math
 import warnings
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from typing import Annotated, Any, TypeAlias
+from dataclasses import dataclass, fields
+from functools import wraps
+from inspect import Parameter, Signature, signature
+from pathlib import Path
+from typing import Annotated, Any, TypeAlias, get_type_hints
 
 import typer
 
@@ -15,12 +19,11 @@ from echocal.cli._outputs import pass_on
 from echocal.engines.names import ENGINES
 from echocal.errors import DataWarning, DomainWarning, UsageError
 from echocal.observations import Observations, read_observations
+from echocal.observations.options import ReadOptions
 from echocal.observations.plan import read_columns
 
-__all__ = ["At", "Columns", "Engine", "Json", "Missing", "Options", "Quiet", "ReadingSpeed"]
-__all__ += ["Sheet", "SkipLines", "SpreadsheetSafe", "TimeFormat", "TimeZone", "Trust"]
-__all__ += ["conditions", "from_stdin"]
-__all__ += ["column_requests", "error_codes", "noted", "notes", "options_of", "read"]
+__all__ = ["AS_IT_IS", "Columns", "Engine", "Given", "Json", "Quiet", "SpreadsheetSafe", "column_requests"]
+__all__ += ["conditions", "error_codes", "from_stdin", "noted", "notes", "read", "reading_options"]
 __all__ += ["toml_files", "write_json"]
 
 _OURS = (DataWarning, DomainWarning)
@@ -90,6 +93,24 @@ Json: TypeAlias = Annotated[
 Quiet: TypeAlias = Annotated[bool, typer.Option("--quiet", "-q", help="Print nothing but errors.")]
 
 
+_FLAGS = {
+    "column": Columns,
+    "missing": Missing,
+    "trust": Trust,
+    "reading_speed": ReadingSpeed,
+    "time_zone": TimeZone,
+    "skip_lines": SkipLines,
+    "decimal": Decimal,
+    "encoding": Encoding,
+    "at": At,
+    "time_format": TimeFormat,
+    "sheet": Sheet,
+    "options": Options,
+}
+"""Flags of every command that reads a table."""
+_USUAL = {one.name: one.default for one in fields(ReadOptions) if isinstance(one.default, str | int)}
+
+
 def column_requests(texts: Sequence[str] | None) -> dict[str, str]:
     """Requests by column from ``A=B`` pairs and TOML files; what comes later wins."""
     requests: dict[str, str] = {}
@@ -131,26 +152,49 @@ def conditions(texts: Sequence[str] | None) -> dict[str, str]:
     return found
 
 
-def options_of(
-    columns: Sequence[str] | None,
-    missing: Sequence[str] | None,
-    trust: Sequence[str] | None,
-    at: Sequence[str] | None = None,
-    **others: Any,
-) -> dict[str, Any]:
-    """Arguments of `read_observations` from those of a command."""
-    beside = {
-        "at": conditions(at),
-        "time_format": others.pop("time_format", None),
-        "sheet": others.pop("sheet", None),
-    }
-    return {
-        "columns": column_requests(columns),
-        "missing": error_codes(missing),
-        "trust": trust or (),
-        **others,
-        **{name: value for name, value in beside.items() if value},
-    }
+@dataclass(frozen=True, kw_only=True)
+class Given(ReadOptions):
+    """Options of a command line, and the files that they came from."""
+
+    files: tuple[str, ...] = ()
+
+
+AS_IT_IS = Given()
+
+
+def reading_options(*, sheet: bool = True) -> Callable[[Callable[..., None]], Callable[..., None]]:
+    """Give a command a flag for each of `ReadOptions`; it takes them together, as `reading`."""
+
+    def decorate(command: Callable[..., None]) -> Callable[..., None]:
+        hints = get_type_hints(command, include_extras=True)
+        parameters: list[Parameter] = []
+        for one in signature(command).parameters.values():
+            names = [name for name in _FLAGS if sheet or name != "sheet"] if one.name == "reading" else []
+            usual = {name: _USUAL.get(name) for name in names}
+            parameters += [one.replace(name=n, annotation=_FLAGS[n], default=usual[n]) for n in names]
+            parameters += [] if names else [one.replace(annotation=hints[one.name])]
+
+        @wraps(command)
+        def whole(**given: Any) -> None:
+            said = {name: given.pop(name) for name in _FLAGS if name in given}
+            command(**given, reading=_given(**said))
+
+        whole.__signature__ = Signature(parameters)  # type: ignore[attr-defined]
+        whole.__annotations__ = {one.name: one.annotation for one in parameters}
+        return whole
+
+    return decorate
+
+
+def _given(*, column: Any, missing: Any, trust: Any, at: Any, options: Path | None, **others: Any) -> Given:
+    return Given(
+        columns=column_requests(column),
+        missing=error_codes(missing),
+        trust=trust or (),
+        at=conditions(at),
+        files=(*toml_files(column), *map(str, filter(None, [options]))),
+        **{name: value for name, value in others.items() if value is not None},
+    )
 
 
 @contextmanager
@@ -163,11 +207,11 @@ def noted(quiet: bool, kind: type[Warning] | tuple[type[Warning], ...] = _OURS) 
     notes(list(dict.fromkeys(str(warning.message) for warning in ours)), quiet)
 
 
-def read(source: Any, quiet: bool, **options: Any) -> Observations:
+def read(source: Any, quiet: bool, options: ReadOptions) -> Observations:
     """Read a table; its notes go to stderr."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", DataWarning)  # the notes say the same
-        observations = read_observations(source, **options)
+        observations = read_observations(source, **options.given())
     notes(observations.notes, quiet)
     return observations
 

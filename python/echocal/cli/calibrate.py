@@ -1,5 +1,6 @@
 """``echocal calibrate``: parameters of a model from measured data."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
 
@@ -12,31 +13,21 @@ from echocal.cli._console import Console
 from echocal.cli._models import Effects, model_of
 from echocal.cli._outputs import Force, Output, check_outputs
 from echocal.cli._tables import (
-    At,
-    Columns,
-    Decimal,
-    Encoding,
+    AS_IT_IS,
+    Given,
     Json,
-    Missing,
-    Options,
     Quiet,
-    ReadingSpeed,
-    Sheet,
-    SkipLines,
-    TimeFormat,
-    TimeZone,
-    Trust,
     from_stdin,
     noted,
-    options_of,
     read,
-    toml_files,
+    reading_options,
     write_json,
 )
 
 STRONG = 0.95  # correlation from which two parameters are named
 
 
+@reading_options()
 def command(
     data: Annotated[Path, typer.Argument(help="Table of echoes with reference distances.")],
     fit: Annotated[
@@ -49,18 +40,7 @@ def command(
     loss: Annotated[
         str, typer.Option(help="Loss: linear; soft_l1, huber or cauchy if rows may be wrong.")
     ] = "linear",
-    column: Columns = None,
-    missing: Missing = None,
-    trust: Trust = None,
-    reading_speed: ReadingSpeed = None,
-    time_zone: TimeZone = "UTC",
-    skip_lines: SkipLines = 0,
-    decimal: Decimal = None,
-    encoding: Encoding = "utf-8-sig",
-    at: At = None,
-    time_format: TimeFormat = None,
-    sheet: Sheet = None,
-    options: Options = None,
+    reading: Given = AS_IT_IS,
     out: Annotated[
         Path | None, typer.Option("--out", "-o", metavar="FILE", help="Write the calibrated model.")
     ] = None,
@@ -73,17 +53,13 @@ def command(
     check_outputs(
         Output("--out", out, _made_by.model("calibrate", data)),
         Output("--json", json, _made_by.result("echocal.calibration")),
-        inputs=[data, model, *toml_files(column)],
+        inputs=[data, model, *reading.files],
         force=force,
     )
     start = model_of(law, model, effect)
     with noted(quiet):
-        layout = {"time_zone": time_zone, "skip_lines": skip_lines, "decimal": decimal, "encoding": encoding}
-        seen = {"time_format": time_format, "sheet": sheet}
-        how = options_of(
-            column, missing, trust, at, reading_speed=reading_speed or start.law, **layout, **seen
-        )
-        found = calibrate(read(data, quiet, **how), start, fit, loss=loss)
+        reading = replace(reading, reading_speed=reading.reading_speed or start.law)
+        found = calibrate(read(data, quiet, reading), start, fit, loss=loss)
     if out is not None:
         _made_by.sign(found.model, "calibrate", data, out).save(out)
     write_json(found.to_dict(), json)

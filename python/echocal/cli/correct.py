@@ -11,25 +11,15 @@ from echocal.cli._models import Effects, model_of
 from echocal.cli._outputs import Force, Output, check_outputs, made_in
 from echocal.cli._progress import rows_bar
 from echocal.cli._tables import (
-    At,
-    Columns,
-    Decimal,
-    Encoding,
+    AS_IT_IS,
     Engine,
+    Given,
     Json,
-    Missing,
-    Options,
     Quiet,
-    ReadingSpeed,
-    SkipLines,
     SpreadsheetSafe,
-    TimeFormat,
-    TimeZone,
-    Trust,
     from_stdin,
     notes,
-    options_of,
-    toml_files,
+    reading_options,
     write_json,
 )
 from echocal.correct import Summary, correct_files
@@ -40,10 +30,10 @@ from echocal.correct.said import sentences
 from echocal.errors import DataError, UsageError
 from echocal.model import Model
 from echocal.objects import Object
-from echocal.observations.text import Layout
 from echocal.places import Place, place_of
 
 
+@reading_options(sheet=False)
 def command(
     data: Annotated[
         str,
@@ -101,18 +91,8 @@ def command(
     memory: Annotated[str, typer.Option(help="Memory that the run may use.")] = "512MB",
     processes: Annotated[int, typer.Option(min=1, help="Processes; threads for a single file.")] = 2,
     engine: Engine = "local",
-    column: Columns = None,
-    missing: Missing = None,
-    trust: Trust = None,
-    reading_speed: ReadingSpeed = None,
-    time_zone: TimeZone = "UTC",
-    skip_lines: SkipLines = 0,
-    decimal: Decimal = None,
-    encoding: Encoding = "utf-8-sig",
-    at: At = None,
-    time_format: TimeFormat = None,
+    reading: Given = AS_IT_IS,
     spreadsheet_safe: SpreadsheetSafe = False,
-    options: Options = None,
     json: Json = None,
     force: Force = False,
     quiet: Quiet = False,
@@ -128,7 +108,7 @@ def command(
     check_outputs(
         Output("--json", json, _made_by.result("echocal.correct")),
         *_made(inputs, place),
-        inputs=[*(s.path for s in inputs.files if isinstance(s.path, Path)), model, *toml_files(column)],
+        inputs=[*(s.path for s in inputs.files if isinstance(s.path, Path)), model, *reading.files],
         folder=None if inputs.single or isinstance(place, Object) else place,
         force=force,
     )
@@ -139,9 +119,6 @@ def command(
         if correction is None:
             raise UsageError("--transferable is for one model, not for --models")
         correction = correction.transferable()
-    how = options_of(
-        column, missing, trust, at, reading_speed=reading_speed, time_zone=time_zone, time_format=time_format
-    )
     with rows_bar(quiet) as progress:
         summary = correct_files(
             data,
@@ -156,12 +133,11 @@ def command(
             memory=memory,
             processes=processes,
             engine=engine,
-            layout=Layout(skip_lines, decimal, encoding),
             spreadsheet_safe=spreadsheet_safe,
             force=force,
             progress=progress,
             mark_rows=mark_rows,
-            **how,
+            **reading.given(),
         )
     notes([*inputs.left_out(), *sentences(summary.results.values()), *_of_model(correction)], quiet)
     files = {str(place if inputs.single else place / name): it for name, it in summary.results.items()}

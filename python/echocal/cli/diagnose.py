@@ -12,25 +12,14 @@ from echocal.cli._console import Console
 from echocal.cli._outputs import Force, Output, PlotFormat, check_outputs, made_in
 from echocal.cli._ranges import parsed_ranges
 from echocal.cli._tables import (
-    At,
-    Columns,
-    Decimal,
-    Encoding,
+    AS_IT_IS,
+    Given,
     Json,
-    Missing,
-    Options,
     Quiet,
-    ReadingSpeed,
-    Sheet,
-    SkipLines,
     SpreadsheetSafe,
-    TimeFormat,
-    TimeZone,
-    Trust,
     from_stdin,
     noted,
-    options_of,
-    toml_files,
+    reading_options,
     write_json,
 )
 from echocal.diagnose import Diagnosis, diagnose
@@ -41,6 +30,7 @@ from echocal.outputs import csv_text, replace_text
 from echocal.report import print_diagnosis
 
 
+@reading_options()
 def command(
     data: Annotated[
         Path,
@@ -58,24 +48,13 @@ def command(
             help="linear, ideal_gas, cramer, virial, 331.3+0.606*T (linear in T), m/s, or a model file."
         ),
     ] = "linear",
-    column: Columns = None,
     reference_distance: Annotated[
         float | None, typer.Option(metavar="M", help="Distance of the target in every row, in m.")
     ] = None,
     constant_distance: Annotated[
         bool, typer.Option("--constant-distance", help="The target did not move; its distance is not known.")
     ] = False,
-    reading_speed: ReadingSpeed = None,
-    missing: Missing = None,
-    trust: Trust = None,
-    time_zone: TimeZone = "UTC",
-    skip_lines: SkipLines = 0,
-    decimal: Decimal = None,
-    encoding: Encoding = "utf-8-sig",
-    at: At = None,
-    time_format: TimeFormat = None,
-    sheet: Sheet = None,
-    options: Options = None,
+    reading: Given = AS_IT_IS,
     since: Annotated[str | None, typer.Option(metavar="TIME", help="Use rows from this time on.")] = None,
     until: Annotated[
         str | None, typer.Option(metavar="TIME", help="Use rows up to this time; a date means its whole day.")
@@ -169,11 +148,6 @@ def command(
     data = from_stdin(data)
     model = _renamed(save_model, model, quiet)
     tables, ranges = _pool.told_apart(more)
-    layout = {"skip_lines": skip_lines, "decimal": decimal, "encoding": encoding}
-    seen = {"time_format": time_format, "sheet": sheet}
-    reading = options_of(
-        column, missing, trust, at, reading_speed=reading_speed, time_zone=time_zone, **layout, **seen
-    )
     is_fleet = _fleet.is_fleet([data, *tables], output)
     _refuse_fleet_options(
         is_fleet,
@@ -194,7 +168,7 @@ def command(
             "--rows": rows,
             "--can-vary": can_vary or ranges,
         }
-        used = [*_file(base), *toml_files(column)]
+        used = [*_file(base), *reading.files]
         request = {
             "reference_distance": reference_distance,
             "constant_distance": constant_distance,
@@ -209,7 +183,7 @@ def command(
                 by,
                 used,
                 {**request, "base": base, "hold_out_after": _time(hold_out_after)},
-                reading,
+                reading.given(),
                 _fleet.Outputs(output, models, results, plots, json, plot_format),
                 _fleet.How(kind, memory, workers, engine or "local", spreadsheet_safe),
                 force=force,
@@ -222,7 +196,7 @@ def command(
             by,
             used,
             {**request, "base": _base(base)},
-            reading,
+            reading.given(),
             _pool.Outputs(models, plots, json, plot_format),
             force=force,
             quiet=quiet,
@@ -235,7 +209,7 @@ def command(
         Output("--rows", rows, _made_by.table("diagnose")),
         Output("--report", report, _made_by.report("diagnose")),
         *_pictures(plots, plot_format),
-        inputs=[data, *_file(base), *toml_files(column)],
+        inputs=[data, *_file(base), *reading.files],
         folder=plots,
         force=force,
     )
@@ -254,7 +228,7 @@ def command(
             progress=lambda what, done, total: bar.update(
                 task, description=what, completed=done, total=total
             ),
-            **reading,
+            **reading.given(),
         )
     whole = diagnosis.model
     if with_shape or with_smooth:

@@ -11,36 +11,25 @@ from echocal.cli import _made_by
 from echocal.cli._console import Console
 from echocal.cli._outputs import Force, Output, check_outputs
 from echocal.cli._tables import (
-    At,
-    Columns,
-    Decimal,
-    Encoding,
+    AS_IT_IS,
+    Given,
     Json,
-    Missing,
-    Options,
     Quiet,
-    ReadingSpeed,
-    Sheet,
-    SkipLines,
     SpreadsheetSafe,
-    TimeFormat,
-    TimeZone,
-    Trust,
     from_stdin,
     notes,
-    options_of,
-    toml_files,
+    reading_options,
     write_json,
 )
 from echocal.errors import UsageError
 from echocal.observations.inspection import ColumnFacts, Inspection, inspect_log
-from echocal.observations.layout import Layout
 from echocal.outputs import csv_text, replace_text, spreadsheet_safe
 
 _BARS = "▁▂▃▄▅▆▇█"
 _FIRST = "# how to read"
 
 
+@reading_options()
 def command(
     log: Annotated[Path, typer.Argument(metavar="LOG", help="A log of any kind (docs/logs.md); - is stdin.")],
     out: Annotated[
@@ -51,19 +40,8 @@ def command(
         Path | None,
         typer.Option(metavar="TABLE.csv", help="Write the log as a table whose names have echocal's units."),
     ] = None,
-    column: Columns = None,
-    missing: Missing = None,
-    trust: Trust = None,
-    reading_speed: ReadingSpeed = None,
-    time_zone: TimeZone = "UTC",
-    skip_lines: SkipLines = 0,
-    decimal: Decimal = None,
-    encoding: Encoding = "utf-8-sig",
-    at: At = None,
-    time_format: TimeFormat = None,
-    sheet: Sheet = None,
+    reading: Given = AS_IT_IS,
     spreadsheet_safe: SpreadsheetSafe = False,
-    options: Options = None,
     json: Json = None,
     force: Force = False,
     quiet: Quiet = False,
@@ -73,31 +51,19 @@ def command(
         Output("--out", out, _is_ours),
         Output("--write", write, _is_ours),
         Output("--json", json, _made_by.result("echocal.inspection")),
-        inputs=[log, options, *toml_files(column)],
+        inputs=[log, *reading.files],
         force=force,
     )
     if write is not None and write.suffix.lower() != ".csv":
         message = f"--write {write} must end in .csv"
         raise UsageError(message)
-    how = options_of(
-        column, missing, trust, at, reading_speed=reading_speed, time_zone=time_zone, time_format=time_format
-    )
-    layout = Layout(skip_lines, decimal, encoding)
     name = log
-    found = inspect_log(from_stdin(log), layout, how.pop("columns"), how.pop("missing"), sheet=sheet, **how)
-    stated = {
-        "reading-speed": reading_speed,
-        "time-zone": time_zone if time_zone != "UTC" else None,
-        "time-format": time_format,
-        "skip-lines": skip_lines or None,
-        "decimal": decimal,
-        "encoding": encoding if encoding != "utf-8-sig" else None,
-        "sheet": sheet,
-        "trust": trust or None,
-        "at": at or None,
-    }
+    found = inspect_log(from_stdin(log), reading)
+    stated = {name: value for name, value in reading.given().items() if name not in {"columns", "missing"}}
+    if reading.at:
+        stated["at"] = [f"{name}={value}" for name, value in reading.at.items()]
     if out is not None:
-        replace_text(out, _toml(found, name, out, {n: v for n, v in stated.items() if v is not None}))
+        replace_text(out, _toml(found, name, out, stated))
     if write is not None:
         _write(found, write, safe=spreadsheet_safe)
     write_json(found.to_dict(), json)
@@ -175,7 +141,7 @@ def _toml(found: Inspection, log: Path, out: Path, stated: dict[str, object]) ->
     lines = [
         f"{_FIRST} {log}, written by echocal inspect; edit it, then: echocal diagnose {log} --options {out}"
     ]
-    lines += [f"{name} = {_value(value)}" for name, value in stated.items()]
+    lines += [f"{name.replace('_', '-')} = {_value(value)}" for name, value in stated.items()]
     lines += ["# constant-distance = true  # if the target did not move"]
     lines += [f"# by = {_value(name)}  # {count} sensors" for name, count in found.sensors.items()]
     reasons = {column.name: column.proposal for column in found.columns}

@@ -1,5 +1,6 @@
 """``echocal verify``: within the maximum permissible error, or not."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
 
@@ -10,25 +11,14 @@ from echocal.cli._console import Console
 from echocal.cli._made_by import result
 from echocal.cli._outputs import Force, Output, check_outputs
 from echocal.cli._tables import (
-    At,
-    Columns,
-    Decimal,
-    Encoding,
+    AS_IT_IS,
+    Given,
     Json,
-    Missing,
-    Options,
     Quiet,
-    ReadingSpeed,
-    Sheet,
-    SkipLines,
-    TimeFormat,
-    TimeZone,
-    Trust,
     from_stdin,
     noted,
-    options_of,
     read,
-    toml_files,
+    reading_options,
     write_json,
 )
 from echocal.diagnose.findings.sentences import quantity_text
@@ -39,6 +29,7 @@ from echocal.sweep import parse
 from echocal.verify import Verification, verify, verify_model
 
 
+@reading_options()
 def command(
     subject: Annotated[
         Path, typer.Argument(metavar="MODEL|DATA", help="Model file (.json), or table with references.")
@@ -54,18 +45,7 @@ def command(
         str, typer.Option(metavar="RANGE", help="For a model: temperatures [degC].")
     ] = "0:50:1",
     distance: Annotated[str, typer.Option(metavar="RANGE", help="For a model: distances [m].")] = "0.1:4:0.1",
-    column: Columns = None,
-    missing: Missing = None,
-    trust: Trust = None,
-    reading_speed: ReadingSpeed = None,
-    time_zone: TimeZone = "UTC",
-    skip_lines: SkipLines = 0,
-    decimal: Decimal = None,
-    encoding: Encoding = "utf-8-sig",
-    at: At = None,
-    time_format: TimeFormat = None,
-    sheet: Sheet = None,
-    options: Options = None,
+    reading: Given = AS_IT_IS,
     json: Json = None,
     force: Force = False,
     quiet: Quiet = False,
@@ -74,7 +54,7 @@ def command(
     subject = from_stdin(subject)
     check_outputs(
         Output("--json", json, result("echocal.verification")),
-        inputs=[subject, model, *toml_files(column)],
+        inputs=[subject, model, *reading.files],
         force=force,
     )
     bound = maximum_permissible_error_mm * 1e-3
@@ -90,11 +70,9 @@ def command(
             found = verify_model(Model.load(subject), maximum_permissible_error=bound, **ranges)
         else:
             correction = None if model is None else Model.load(model)
-            speed = speed_of(correction, reading_speed) if correction else reading_speed
-            layout = {"skip_lines": skip_lines, "decimal": decimal, "encoding": encoding, "sheet": sheet}
-            when = {"time_zone": time_zone, "time_format": time_format}
-            how = options_of(column, missing, trust, at, reading_speed=speed, **layout, **when)
-            observations = read(subject, quiet, **how)
+            if correction:
+                reading = replace(reading, reading_speed=speed_of(correction, reading.reading_speed))
+            observations = read(subject, quiet, reading)
             found = verify(observations, maximum_permissible_error=bound, model=correction, law=law)
     write_json(found.to_dict(), json)
     if not quiet and json != "-":

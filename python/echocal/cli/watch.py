@@ -13,20 +13,10 @@ from echocal._interrupt import after_imports
 from echocal.cli._models import Effects, model_of
 from echocal.cli._outputs import Force, Output, check_outputs
 from echocal.cli._tables import (
-    At,
-    Columns,
-    Decimal,
-    Encoding,
-    Missing,
-    Options,
+    AS_IT_IS,
+    Given,
     Quiet,
-    ReadingSpeed,
-    SkipLines,
-    TimeFormat,
-    TimeZone,
-    Trust,
-    options_of,
-    toml_files,
+    reading_options,
 )
 from echocal.cli._terminal import visible
 from echocal.errors import UsageError
@@ -41,6 +31,7 @@ _USUAL = WatchSettings()
 _BROKERS = ("mqtt://", "mqtts://")
 
 
+@reading_options(sheet=False)
 def command(
     source: Annotated[
         str,
@@ -128,17 +119,7 @@ def command(
             metavar="NAME=U", help="Standard uncertainty of a value: temperature_C=0.5, echo_us=10, ..."
         ),
     ] = None,
-    column: Columns = None,
-    missing: Missing = None,
-    trust: Trust = None,
-    reading_speed: ReadingSpeed = None,
-    time_zone: TimeZone = "UTC",
-    skip_lines: SkipLines = 0,
-    decimal: Decimal = None,
-    encoding: Encoding = "utf-8-sig",
-    at: At = None,
-    time_format: TimeFormat = None,
-    file_of_options: Options = None,
+    reading: Given = AS_IT_IS,
     json: Annotated[
         str | None, typer.Option("--json", metavar="FILE", help="Write events as JSON lines; - is stdout.")
     ] = None,
@@ -159,9 +140,6 @@ def command(
     )
     settings = WatchSettings(false_alarms=false_alarms, learn=learn)
     one = None if models is not None else model_of(law, model, effect)
-    options = options_of(
-        column, missing, trust, at, reading_speed=reading_speed, time_zone=time_zone, time_format=time_format
-    )
     mixed = source.startswith(_BROKERS)
     letters = dead_letters or (_letters_beside(out, state) if mixed else None)
     _refuse_same(("-o", out), ("--json", json), ("--dead-letters", letters), ("--state", state))
@@ -169,27 +147,26 @@ def command(
         kept = State(state)
         at_end.callback(kept.close)
         files = {"--out": out, "--json": json, "--dead-letters": letters, "--state": state}
-        _check_files(source, files, [model, *toml_files(column)], kept, force=force)
+        _check_files(source, files, [model, *reading.files], kept, force=force)
         kept.check(
             {"reference": reference.kind, "false_alarms": false_alarms, "learn": learn, "by": by},
         )
-        layout = Layout(skip_lines, decimal, encoding)
-        kept.check({"skip_lines": skip_lines, "encoding": encoding})
+        kept.check({"skip_lines": reading.skip_lines, "encoding": reading.encoding})
         fleet = Fleet(
             models_of(one, models),
             by,
             reference,
             settings,
             kept,
-            options,
+            reading.given(),
             interval,
             own_models=models is not None,
             mark_rows=mark_rows,
             uncertainties=uncertainty or (),
-            decimal=decimal,
+            decimal=reading.decimal,
             mixed=mixed,
         )
-        rows = _source(source, kept, poll, client, layout, once=once)
+        rows = _source(source, kept, poll, client, reading.layout, once=once)
         if isinstance(rows, Broker):
             at_end.callback(rows.close)
         run = Run(
@@ -222,7 +199,7 @@ def _until_it_ends(run: Run, rows: Source, quiet: bool) -> None:
             run.end()
             _say(run.summary(), quiet)
     if asked is None:
-        run.refuse_nothing()
+        run.refuse_nothing(rows.empty())
     if asked is not None:
         raise asked
 

@@ -8,11 +8,9 @@ from typing import Any
 from echocal._core import __version__
 from echocal.correct.driver import Progress, Summary, alone, question_of, run, run_tasks, task_of
 from echocal.correct.inputs import PARQUETS, Inputs, find_inputs, refuse_nested
-from echocal.correct.job import plain_job
 from echocal.correct.logs import logs_of
 from echocal.correct.memory import in_bytes
-from echocal.correct.tables import as_names
-from echocal.correct.uncertainty import Uncertainties
+from echocal.correct.rows import Reading
 from echocal.engines import Engine, open_engine
 from echocal.engines.checks import check_workers
 from echocal.engines.names import is_elsewhere
@@ -22,9 +20,8 @@ from echocal.model import Model
 from echocal.model.folder import ModelFolder
 from echocal.model.plain import to_plain
 from echocal.objects import is_url
-from echocal.observations.at import uncertainties_of
-from echocal.observations.plan import read_columns
-from echocal.observations.text import Layout
+from echocal.observations.given import READ_OPTIONS, refuse_keywords
+from echocal.observations.layout import Layout
 from echocal.places import place_of, size_of
 
 __all__ = ["correct_files", "job_of"]
@@ -42,6 +39,7 @@ def correct_files(
     by: str | None = None,
     columns: Mapping[str, str] | None = None,
     uncertainties: Sequence[str] | Mapping[str, float] = (),
+    mark_rows: bool = True,
     logs: str | None = None,
     append_only: Sequence[str] | None = None,
     round_mm: float | None = None,
@@ -74,6 +72,8 @@ def correct_files(
         Meaning of columns, by their names.
     uncertainties : sequence of str, or mapping of str to float
         Standard uncertainties of recorded or assumed values: ``["temperature_C=0.5", "echo_us=10"]``.
+    mark_rows : bool
+        As in `echocal.correct`.
     logs : str, optional
         Which files are one log, for a model that depends on other rows: ``"file"`` (each its own), ``"all"``
         (all files are one), ``"key"`` (those of a key are one; the default with `by`).
@@ -97,7 +97,7 @@ def correct_files(
     progress : callable
         Told how far the run is.
     **options
-        `reading_speed`, `mark_rows`, `missing`, `trust`, `time_zone` as in `correct_table`.
+        Further arguments of `echocal.read_observations`, as in `echocal.correct`.
 
     Returns
     -------
@@ -124,6 +124,9 @@ def correct_files(
     >>> (folder / "out.csv").read_text().splitlines()[1]
     '11680,20,2.000305,,,'
     """
+    refuse_keywords(correct_files, options, READ_OPTIONS)
+    written = {} if layout is None else layout.plain()
+    reading = Reading.of({"columns": columns, **written, **options}, uncertainties, mark_rows)
     elsewhere = is_elsewhere(engine)
     if elsewhere:  # whose processes have working folders of their own
         source, out = (path if is_url(path) else Path(path).absolute() for path in (source, out))
@@ -143,14 +146,11 @@ def correct_files(
         model,
         models,
         by,
-        columns,
-        uncertainties,
-        layout or Layout(),
-        append_only=append_only,
-        round_mm=round_mm,
+        reading,
+        round_mm,
+        append_only=None if append_only is None else list(append_only),
         memory=limit // processes if spread else limit,
         threads=1 if spread or elsewhere else processes,
-        options=options,
         several=not inputs.single,
         logs=logs,
         spreadsheet_safe=spreadsheet_safe,
@@ -200,47 +200,15 @@ def job_of(
     model: Model | None,
     models: str | Path | None,
     by: str | None,
-    columns: Mapping[str, str] | None,
-    uncertainties: Sequence[str] | Mapping[str, float],
-    layout: Layout,
-    *,
-    append_only: Sequence[str] | None,
+    reading: Reading,
     round_mm: float | None,
-    memory: int,
-    threads: int,
-    options: Mapping[str, Any],
-    several: bool = False,
-    logs: str | None = None,
-    spreadsheet_safe: bool = False,
+    **others: Any,
 ) -> dict[str, Any]:
     """The job of all tasks, as plain data."""
-    known: dict[str, Any] = {
-        "reading_speed": None,
-        "mark_rows": True,
-        "missing": (),
-        "trust": (),
-        "time_zone": "UTC",
-    }
-    known |= {"at": {}, "time_format": None}
-    unknown = next((name for name in options if name not in known), None)
-    if unknown is not None:
-        message = f"no option '{unknown}'; known: {', '.join(known)}"
-        raise UsageError(message)
     if round_mm is not None and not round_mm > 0.0:
         message = f"--round-mm {round_mm:g} is no step; give a positive number of millimeters"
         raise UsageError(message)
-    given = {**known, **options}
-    at = {name: str(value) for name, value in (given["at"] or {}).items()}
-    stated = {**uncertainties_of(at), **Uncertainties.of(uncertainties).stated}
-    speed = given["reading_speed"]
-    reading = {
-        **given,
-        "reading_speed": None if speed is None else str(speed),
-        "missing": _plain_codes(given["missing"]),
-        "trust": list(as_names(given["trust"])),
-        "uncertainties": stated,
-        "at": at,
-    }
+    stated = reading.uncertainties.stated
     metadata = {"echocal.version": __version__, "echocal.distance_unit": "m"}
     if model is not None:
         metadata["echocal.model_hash"] = model.hash
@@ -249,28 +217,16 @@ def job_of(
         metadata["echocal.models_by"] = str(by)
     if stated:
         metadata["echocal.standard_uncertainties"] = json.dumps(stated, sort_keys=True)
-    if at:
-        metadata["echocal.stated_conditions"] = json.dumps(at, sort_keys=True)
+    if reading.at:
+        metadata["echocal.stated_conditions"] = json.dumps(reading.at, sort_keys=True)
     if round_mm is not None:
         metadata["echocal.rounded_to_mm"] = f"{round_mm:g}"
     described = {"model": to_plain(model)} if model is not None else {"folder": str(models), "by": str(by)}
-    return plain_job(
-        described,
-        read_columns(columns),
-        reading,
-        layout,
-        metadata,
-        append_only=append_only,
-        round_m=None if round_mm is None else round_mm / 1000,
-        memory=memory,
-        threads=threads,
-        several=several,
-        logs=logs,
-        spreadsheet_safe=spreadsheet_safe,
-    )
-
-
-def _plain_codes(missing: Any) -> Any:
-    if isinstance(missing, Mapping):
-        return {str(name): _plain_codes(codes) for name, codes in missing.items()}
-    return [str(code) for code in ([missing] if isinstance(missing, str | int | float) else missing)]
+    how = {**reading.plain(), "mark_rows": reading.mark_rows, "uncertainties": dict(stated)}
+    return {
+        "models": described,
+        "reading": how,
+        "metadata": metadata,
+        "round_m": None if round_mm is None else round_mm / 1000,
+        **others,
+    }

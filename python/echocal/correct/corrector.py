@@ -12,7 +12,7 @@ from echocal.correct.needed import Needed, needed, refuse_repeated
 from echocal.correct.rows import Rows, correct_rows, no_distance, whole_log
 from echocal.correct.tables import refuse_corrected
 from echocal.domain import counting
-from echocal.errors import DataError
+from echocal.errors import DataError, among
 from echocal.model import Model
 from echocal.model.folder import label
 from echocal.model.indicated_speed import speed_of
@@ -106,12 +106,13 @@ class Corrector:
         refuse_repeated(names)
         refuse_corrected(names)
         Missing(job.reading.missing).refuse_unknown(names)
-        job = replace(job, requests=completed(names, job.requests)[0])
+        requests = completed(names, job.reading.requests)[0]
+        job = replace(job, reading=replace(job.reading, columns=requests))
         self._names, self._job = list(names), job
         self.key = "" if job.models.folder is None else key
         self.by = job.models.by if self.key is None else ""
         if self.by and self.by not in self._names:
-            message = f"there is no column '{self.by}' with the key of a row; it has {', '.join(self._names)}"
+            message = f"there is no column '{self.by}' with the key of a row{among(self.by, self._names)}"
             raise DataError(message)
         self._needed: dict[str, Needed] = {}
         if self.key is not None:
@@ -123,7 +124,7 @@ class Corrector:
             model = self._job.models.model(key)
             if key not in self._needed and model is not None:
                 reading = self._job.reading
-                requests = {name: own for name, own in self._job.requests.items() if name != self.by}
+                requests = {name: own for name, own in self._job.reading.requests.items() if name != self.by}
                 self._needed[key] = needed(
                     [name for name in self._names if name != self.by],
                     model,
@@ -145,8 +146,7 @@ class Corrector:
         """What is read of a log, and how: the same for correctors that find the same in it."""
         models = (self._job.models.model(key) for key in self._needed)
         hashes = tuple(model.hash for model in models if model is not None)
-        job = self._job
-        return self.columns, hashes, repr(job.reading), repr(sorted(job.requests.items())), repr(job.layout)
+        return self.columns, hashes, repr(self._job.reading)
 
     @property
     def remembers(self) -> tuple[str, ...]:

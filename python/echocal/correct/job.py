@@ -1,7 +1,7 @@
 """What a task says beyond its files: models, options. Plain data in, objects out."""
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
@@ -14,9 +14,8 @@ from echocal.errors import ModelError
 from echocal.model import Model
 from echocal.model.folder import ModelFolder
 from echocal.model.plain import from_plain
-from echocal.observations.text import Layout
 
-__all__ = ["Job", "Models", "plain_job"]
+__all__ = ["Job", "Models"]
 
 
 @dataclass(frozen=True)
@@ -47,11 +46,7 @@ class Job:
     Attributes
     ----------
     models : Models
-    requests : mapping of str to str
-        Meaning of columns.
     reading : Reading
-    layout : Layout
-        How text files are written.
     append_only : tuple of str or None
         Columns to keep beside the results; None: all.
     round_m : float or None
@@ -70,9 +65,7 @@ class Job:
     """
 
     models: Models
-    requests: Mapping[str, str] = field(default_factory=dict)
     reading: Reading = field(default_factory=Reading)
-    layout: Layout = field(default_factory=Layout)
     append_only: tuple[str, ...] | None = None
     round_m: float | None = None
     memory: int = 512 << 20
@@ -104,65 +97,8 @@ def _job(text: str, digest: str) -> Job:
             "every process needs the same files, and they may not change while it runs"
         )
         raise ModelError(message)
-    reading = plain["reading"]
-    return Job(
-        Models(from_plain(models["model"]))
-        if "model" in models
-        else Models(None, ModelFolder(Path(models["folder"])), models["by"]),
-        plain["columns"],
-        Reading(
-            reading["missing"],
-            tuple(reading["trust"]),
-            reading["time_zone"],
-            reading["reading_speed"],
-            reading["mark_rows"],
-            Uncertainties(reading["uncertainties"]),
-            reading.get("at", {}),
-            reading.get("time_format"),
-        ),
-        Layout(**plain["layout"]),
-        None if plain["append_only"] is None else tuple(plain["append_only"]),
-        plain["round_m"],
-        plain["memory"],
-        plain["threads"],
-        plain["metadata"],
-        plain["several"],
-        plain["logs"],
-        plain.get("spreadsheet_safe", False),
-    )
-
-
-def plain_job(
-    models: Mapping[str, Any],
-    columns: Mapping[str, str],
-    reading: Mapping[str, Any],
-    layout: Layout,
-    metadata: Mapping[str, str],
-    *,
-    append_only: Sequence[str] | None = None,
-    round_m: float | None = None,
-    memory: int = 512 << 20,
-    threads: int = 2,
-    several: bool = False,
-    logs: str | None = None,
-    spreadsheet_safe: bool = False,
-) -> dict[str, Any]:
-    """A job as plain data; options that most jobs do not have are left out."""
-    return {
-        **({"spreadsheet_safe": True} if spreadsheet_safe else {}),
-        "models": dict(models),
-        "columns": dict(columns),
-        "reading": dict(reading),
-        "layout": {
-            "skip_lines": layout.skip_lines,
-            "decimal": layout.decimal,
-            "encoding": layout.encoding,
-        },
-        "append_only": None if append_only is None else list(append_only),
-        "round_m": round_m,
-        "memory": memory,
-        "threads": threads,
-        "metadata": dict(metadata),
-        "several": several,
-        "logs": logs,
-    }
+    stated = Uncertainties(plain["reading"]["uncertainties"])
+    reading = Reading(**{**plain["reading"], "uncertainties": stated})
+    one = Models(from_plain(models["model"])) if "model" in models else None
+    each = one or Models(None, ModelFolder(Path(models["folder"])), models["by"])
+    return Job(**{**plain, "models": each, "reading": reading})

@@ -52,7 +52,7 @@ def needed(
     model: Model,
     requests: Mapping[str, str],
     *,
-    reading_speed: str | None = None,
+    reading_speed: str | float | None = None,
     trust: Collection[str] = (),
     mark_rows: bool = True,
     ordered: bool = False,

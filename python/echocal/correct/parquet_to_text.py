@@ -108,7 +108,7 @@ def _lines(fields: pd.DataFrame, rows: Rows, ending: str, job: Job, *, header: b
     if job.spreadsheet_safe:
         names = [spreadsheet_safe(name) for name in names]
         table = table.map(lambda value: spreadsheet_safe(value) if isinstance(value, str) else value)
-    decimal = job.layout.decimal or "."
+    decimal = job.reading.layout.decimal or "."
     separator = "\t" if ending.startswith(".tsv") else ";" if decimal == "," else ","
     return csv_text(table, header=names if header else False, sep=separator, decimal=decimal)
 

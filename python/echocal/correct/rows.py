@@ -17,10 +17,11 @@ from echocal.model import Model
 from echocal.model.indicated_speed import speed_of
 from echocal.observations import Observations
 from echocal.observations.assembly import Assembly
-from echocal.observations.at import conditions_at, sentences
+from echocal.observations.at import conditions_at, sentences, uncertainties_of
 from echocal.observations.correction import base_indication, corrected_distance, outside_smooth
 from echocal.observations.marks import MARKS
 from echocal.observations.numbers import Missing, to_numbers
+from echocal.observations.options import ReadOptions
 from echocal.observations.part import Part
 from echocal.observations.plan import make
 
@@ -31,18 +32,21 @@ Column = NDArray[np.float64]
 _NONE = "no distance fits"
 
 
-@dataclass(frozen=True)
-class Reading:
-    """How the columns of a table are read; see `echocal.read_observations`."""
+@dataclass(frozen=True, kw_only=True)
+class Reading(ReadOptions):
+    """How the rows of a table are read and corrected."""
 
-    missing: Any = ()
-    trust: Collection[str] = ()
-    time_zone: str = "UTC"
-    reading_speed: str | None = None
     mark_rows: bool = True
     uncertainties: Uncertainties = field(default_factory=Uncertainties)
-    at: Mapping[str, str] = field(default_factory=dict)
-    time_format: str | None = None
+
+    @classmethod
+    def of(
+        cls, options: Mapping[str, Any], uncertainties: Sequence[str] | Mapping[str, float], mark_rows: bool
+    ) -> "Reading":
+        """With the uncertainties that a user states of values and of conditions that nobody recorded."""
+        own = cls(**options, mark_rows=mark_rows)
+        stated = {**uncertainties_of(own.at or {}), **Uncertainties.of(uncertainties).stated}
+        return replace(own, uncertainties=Uncertainties(stated))
 
 
 @dataclass(frozen=True)

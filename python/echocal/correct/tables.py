@@ -1,7 +1,7 @@
-"""Append a corrected distance and a reason code to a table."""
+"""`echocal.correct`: append a corrected distance and a reason code to a table."""
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -12,18 +12,14 @@ from numpy.typing import NDArray
 from echocal.correct.needed import needed
 from echocal.correct.results import DISTANCE, RESULTS, STATUS, UNCERTAINTY, UNUSABLE
 from echocal.correct.rows import Reading, Rows, correct_rows
-from echocal.correct.uncertainty import Uncertainties
-from echocal.errors import DataError, UsageError
+from echocal.errors import DataError
 from echocal.model import Model
-from echocal.observations.given import refuse_keywords
+from echocal.observations.given import READ_OPTIONS, refuse_keywords
 from echocal.observations.numbers import Missing
-from echocal.observations.plan import read_columns
+from echocal.observations.reading import understood
 from echocal.observations.source import load
 
-__all__ = ["Corrected", "correct_table", "refuse_corrected", "results_of"]
-
-_READING = ("missing", "trust", "time_zone")
-"""Arguments of `echocal.read_observations` that act on a table in memory."""
+__all__ = ["Corrected", "correct", "correct_table", "refuse_corrected", "results_of"]
 
 
 @dataclass(frozen=True)
@@ -44,6 +40,14 @@ class Corrected:
         Notes for the user.
     marked : dict of str to int
         Rows with a corrected distance and a reason code: outside of the range of a smooth correction.
+
+    Examples
+    --------
+    >>> import echocal
+    >>> echoes = {"echo_us": [11680.0, 0.0], "temperature_C": [20.0, 20.0]}
+    >>> corrected = echocal.correct(echoes, echocal.Model("linear"))
+    >>> corrected.rows, corrected.unusable
+    (2, {'echo_us out of range': 1})
     """
 
     table: Any
@@ -53,27 +57,30 @@ class Corrected:
     marked: dict[str, int] = field(default_factory=dict)
 
 
-def correct_table(
+def correct(
     table: Any,
     model: Model,
-    columns: Mapping[str, str] | None = None,
+    columns: Mapping[str, str] | str | Path | None = None,
     *,
-    reading_speed: str | None = None,
+    reading_speed: str | float | None = None,
     mark_rows: bool = True,
     uncertainties: Sequence[str] | Mapping[str, float] = (),
     **options: Any,
 ) -> Corrected:
     """Correct every row of a table, in its order.
 
+    `echocal.correct_files` corrects files of any size, and folders. ``echocal.correct.correct_table`` is
+    another name of this function.
+
     Parameters
     ----------
-    table : DataFrame of pandas or polars, or mapping of str to array_like, shape (n, m)
+    table : path, DataFrame of any library, or mapping of str to array_like, shape (n, m)
         Echoes; see `echocal.read_observations`.
     model : Model
         The model of air and device.
-    columns : mapping of str to str, optional
+    columns : mapping of str to str, or path of a TOML file, optional
         Meaning of columns, by their names.
-    reading_speed : str, optional
+    reading_speed : str or float, optional
         Speed that the firmware made readings with; default: the law of the model.
     mark_rows : bool
         Whether rows that are as those which the diagnosis of the model left out get no corrected
@@ -81,7 +88,7 @@ def correct_table(
     uncertainties : sequence of str, or mapping of str to float
         Standard uncertainties of recorded or assumed values: ``["temperature_C=0.5", "echo_us=10"]``.
     **options
-        `missing`, `trust` and `time_zone` of `echocal.read_observations`.
+        Further arguments of `echocal.read_observations`: ``missing``, ``trust``, ``time_zone``, ``at``, ...
 
     Returns
     -------
@@ -97,27 +104,18 @@ def correct_table(
     --------
     >>> import pandas as pd
     >>> import echocal
-    >>> from echocal.correct import correct_table
     >>> device = echocal.Model("linear", {"fixed_delay": {"delay": 30e-6}})
     >>> echoes = pd.DataFrame({"echo_us": [11680.0, 5860.0], "temperature_C": [20.0, 20.0]})
-    >>> correct_table(echoes, device).table["corrected_distance_m"].round(6).tolist()
+    >>> echocal.correct(echoes, device).table["corrected_distance_m"].round(6).tolist()
     [2.000305, 1.001011]
     """
-    refuse_keywords(correct_table, options, _READING)
-    if isinstance(table, str | Path):
-        message = "correct_table corrects a table in memory; of a file: pandas.read_csv, or `echocal correct`"
-        raise UsageError(message)
-    whole = load(table)
+    refuse_keywords(correct, options, READ_OPTIONS)
+    said = {"columns": columns, "reading_speed": reading_speed, **options}
+    reading = Reading.of(said, uncertainties, mark_rows)
+    whole = load(table, reading.layout, sheet=reading.sheet)
     refuse_corrected(whole.columns)
-    requests = read_columns(columns)
-    reading = Reading(
-        missing=options.get("missing", ()),
-        trust=as_names(options.get("trust", ())),
-        time_zone=options.get("time_zone", "UTC"),
-        reading_speed=None if reading_speed is None else str(reading_speed),
-        mark_rows=mark_rows,
-        uncertainties=Uncertainties.of(uncertainties),
-    )
+    requests, found, notes = understood(whole, reading.requests)
+    reading = replace(reading, trust={*reading.trust, *found.sure})
     Missing(reading.missing).refuse_unknown(whole.columns)
     read = needed(
         list(whole.columns),
@@ -128,9 +126,16 @@ def correct_table(
         mark_rows=mark_rows,
     )
     rows = correct_rows(whole, model, read, reading)
+    for reason in dict.fromkeys(found.corrupt.values()):
+        lost = [row for row, why in found.corrupt.items() if why == reason]
+        rows = rows.lost(np.isin(np.arange(len(whole)), lost), reason)
     unusable, marked = counts(rows)
-    notes = (*rows.notes, *said_of(marked))
-    return Corrected(_appended(table, whole, results_of(rows)), len(whole), unusable, notes, marked)
+    notes = [*found.notes, *notes, *rows.notes, *said_of(marked)]
+    return Corrected(_appended(table, whole, results_of(rows)), len(whole), unusable, tuple(notes), marked)
+
+
+correct_table = correct
+correct.__dict__["correct_table"] = correct  # as `echocal.correct` is the function, not this package
 
 
 def _appended(table: Any, whole: pd.DataFrame, results: Mapping[str, NDArray[Any]]) -> Any:
@@ -175,12 +180,3 @@ def said_of(marked: Mapping[str, int]) -> tuple[str, ...]:
         return ()
     said = "; ".join(f"{count} x {reason}" for reason, count in marked.items())
     return (f"rows with the distance by the model without its smooth correction: {said}",)
-
-
-def as_names(trust: Any) -> Collection[str]:
-    """Trusted columns as a list of names."""
-    listed = [trust] if isinstance(trust, str) else trust
-    if not isinstance(listed, Collection) or not all(isinstance(name, str) for name in listed):
-        message = f'trust lists names of columns, ["temperature_C"]; got {trust!r}'
-        raise UsageError(message)
-    return listed

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from echocal.correct.results import UNCERTAINTY
-from echocal.errors import DomainWarning, UsageError
+from echocal.errors import DomainWarning, UsageError, among
 from echocal.model import Model
 from echocal.model.shape import is_extra
 from echocal.observations import Observations
@@ -54,10 +54,8 @@ class Uncertainties:
         stated: dict[str, float] = {}
         for name, value in pairs:
             if name not in NAMES or NAMES[name][0].label or NAMES[name][0].quantity == "reference_distance":
-                message = (
-                    f'--uncertainty "{name}={value}" names no quantity with its unit; '
-                    "e.g. temperature_C=0.5, humidity_percent=3, echo_us=10, reading_mm=1"
-                )
+                known = among(name, [own for own, (form, _) in NAMES.items() if not form.label], "there are")
+                message = f'--uncertainty "{name}={value}" names no quantity with its unit{known}'
                 raise UsageError(message)
             form, symbol = NAMES[name]
             unit = form.units[symbol]

@@ -19,7 +19,7 @@ from echocal.diagnose.results.stated import with_stated
 from echocal.diagnose.settings import Settings
 from echocal.model import Model
 from echocal.observations import Observations
-from echocal.observations.given import reading_keywords, refuse_keywords
+from echocal.observations.given import READ_OPTIONS, refuse_keywords
 
 __all__ = ["diagnose"]
 
@@ -111,7 +111,7 @@ def diagnose(
     ('named', 'fixed_speed')
     """
     start = time.perf_counter()
-    refuse_keywords(diagnose, table, reading_keywords())
+    refuse_keywords(diagnose, table, READ_OPTIONS)
     request = Request.of(
         base,
         seed,

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from echocal.correct.inputs import Source
-from echocal.errors import DataError
+from echocal.errors import DataError, among
 from echocal.fleet.labels import label
 from echocal.fleet.polar import polars
 from echocal.fleet.tables import Opened, opened
@@ -138,8 +138,8 @@ def _counted(
 def _label(table: Opened, column: str) -> Any:
     if column not in table.schema:
         message = (
-            f"{table.path} has no column '{column}', and no folder of its path is named {column}=...; "
-            f"it has {', '.join(table.schema)}"
+            f"{table.path} has no column '{column}', and no folder of its path is named {column}=..."
+            f"{among(column, table.schema)}"
         )
         raise DataError(message)
     return label(column, table.schema[column])

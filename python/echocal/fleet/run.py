@@ -1,7 +1,6 @@
 """The diagnosis of a fleet: index, tasks, prevalence of causes, table."""
 
 import hashlib
-import json
 import tempfile
 import time
 from collections.abc import Callable, Mapping, Sequence
@@ -35,7 +34,8 @@ from echocal.model import Model
 from echocal.model.folder import INDEX
 from echocal.model.names import index_text, named
 from echocal.model.plain import to_plain
-from echocal.observations.text import Layout
+from echocal.observations.layout import Layout
+from echocal.observations.options import ReadOptions
 from echocal.outputs import replace_text
 from echocal.places import file_digest, stamp
 
@@ -140,16 +140,32 @@ def diagnose_fleet(
         If there is no sensor.
     UsageError
         If a request contradicts itself, or an output cannot be written.
+
+    Examples
+    --------
+    >>> import pathlib, tempfile
+    >>> import numpy as np
+    >>> import pandas as pd
+    >>> import echocal
+    >>> folder = pathlib.Path(tempfile.mkdtemp())
+    >>> noise = 1e-3 * np.sin(np.arange(40.0) ** 2)
+    >>> for name, offset in (("cellar", 0.0), ("roof", 0.02)):
+    ...     log = pd.DataFrame({"reading_m": 1.0 + offset + noise, "temperature_C": 20.0})
+    ...     log.to_csv(folder / f"{name}.csv", index=False)
+    >>> fleet = echocal.diagnose_fleet(folder / "*.csv", reference_distance=1.0, workers=1)
+    >>> [(row["sensor"], row["verdict"]) for row in fleet.rows]
+    [('cellar', 'nothing'), ('roof', 'named')]
     """
     begun = time.perf_counter()
     given = [inputs] if isinstance(inputs, str | Path) else list(inputs)
     files = files_of([Path(one).absolute() for one in given] if is_elsewhere(engine) else given)
-    layout = replace(layout or Layout(), text_column=by or "")
+    how = ReadOptions(**{**(layout.plain() if layout else {}), **(reading or {})})
+    layout = replace(how.layout, text_column=by or "")
     index = indexed(files.sources, by, kind, layout)
     folders = {"models": _folder(models), "results": _folder(results)}
     asked = {
         **_request(base, request, settings, seed),
-        "reading": _reading(reading),
+        "reading": how.plain(),
         "layout": asdict(layout),
         "by": by,
         "kind": kind,
@@ -279,18 +295,6 @@ def _request(
     plain_base = law if model is None else to_plain(model)
     plain = None if settings is None else Settings.of(settings).to_dict()
     return {"request": {"base": plain_base, "seed": seed, "settings": plain, **whole}}
-
-
-def _reading(given: Mapping[str, Any] | None) -> dict[str, Any]:
-    usual: dict[str, Any] = {
-        "columns": {},
-        "missing": {},
-        "trust": [],
-        "reading_speed": None,
-        "time_zone": "UTC",
-    }
-    plain: dict[str, Any] = json.loads(json.dumps({**usual, **(given or {})}))  # tuples become lists
-    return plain
 
 
 def _state(

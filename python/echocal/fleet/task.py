@@ -28,7 +28,8 @@ from echocal.fleet.record import FAILED, failure, record
 from echocal.fleet.store import Store, put
 from echocal.model import document
 from echocal.model.plain import from_plain
-from echocal.observations.text import Layout
+from echocal.observations.layout import Layout
+from echocal.observations.options import ReadOptions
 
 __all__ = ["run_task"]
 
@@ -57,15 +58,15 @@ def run_task(task: Mapping[str, Any]) -> dict[str, Any]:
     job = task["job"]
     store = Store(Path(job["store"]))
     store.check(job.get("run"))
-    reading = job["reading"]
+    reading = ReadOptions(**job["reading"])
     bucket = (Path(job["store"]), task["bucket"]) if "bucket" in task else None
     found = logs(
         task["sensors"],
         job["by"],
         job["kind"],
-        reading["columns"],
+        reading.requests,
         Layout(**job["layout"]),
-        reading["time_zone"],
+        reading.time_zone,
         bucket,
     )
     records = [_record(sensor, log, job) for sensor, log in found]
@@ -112,8 +113,7 @@ def _record(sensor: Mapping[str, Any], log: Log, job: Mapping[str, Any]) -> dict
 
 def _diagnosed(log: Log, job: Mapping[str, Any]) -> Examined:
     request = _request(json.dumps(job["request"], sort_keys=True))
-    how = dict(job["reading"])
-    how["reading_speed"] = how["reading_speed"] or request.base.reading_speed
+    how = {"reading_speed": request.base.reading_speed, **job["reading"]}
     with warnings.catch_warnings(action="ignore"):  # the record has the notes
         return examined(read(log.columns, how), request, Steps(None))
 

@@ -5,10 +5,10 @@ from echocal.model.composition import Model
 __all__ = ["speed_of"]
 
 
-def speed_of(model: Model, stated: str | None = None) -> str:
+def speed_of(model: Model, stated: str | float | None = None) -> str:
     """Speed with which readings become echo times: as stated, as the model's diagnosis had it, or the law.
 
     A diagnosis that was told the speed of the firmware writes it into the model.
     """
     kept = model.provenance.get("reading_speed")
-    return stated or (kept if isinstance(kept, str) and kept else model.law)
+    return str(stated or "") or (kept if isinstance(kept, str) and kept else model.law)

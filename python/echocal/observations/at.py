@@ -6,7 +6,7 @@ from typing import Any
 
 import pandas as pd
 
-from echocal.errors import UsageError
+from echocal.errors import UsageError, among
 from echocal.observations.names import by_name
 from echocal.observations.units import NAMES
 from echocal.quantities import QUANTITIES
@@ -38,10 +38,8 @@ def parsed(texts: Mapping[str, Any]) -> dict[str, tuple[str, float, float]]:
     for name, given in texts.items():
         column = ALSO.get(name, name)
         if column not in NAMES or NAMES[column][0].quantity not in QUANTITIES:
-            message = (
-                f"--at {name}={given}: no such condition; there are {', '.join(ALSO)}, "
-                "or the name of a column: temperature_F"
-            )
+            known = [*ALSO, *(own for own, (form, _) in NAMES.items() if form.quantity in QUANTITIES)]
+            message = f"--at {name}={given}: no such condition{among(name, known, 'there are')}"
             raise UsageError(message)
         match = _VALUE.fullmatch(str(given))
         if match is None:

@@ -2,14 +2,19 @@
 
 import inspect
 from collections.abc import Callable, Iterable, Mapping
+from dataclasses import fields
 from difflib import get_close_matches
 from typing import Any
 
 from echocal.errors import UsageError
+from echocal.observations.options import ReadOptions
 from echocal.observations.reading import read_observations
 from echocal.observations.table import Observations
 
-__all__ = ["observed", "reading_keywords", "refuse_keywords"]
+__all__ = ["READ_OPTIONS", "observed", "refuse_keywords"]
+
+READ_OPTIONS = tuple(one.name for one in fields(ReadOptions) if one.init)
+"""Keywords of `echocal.read_observations`."""
 
 
 def observed(given: Any, caller: Callable[..., Any], how: Mapping[str, Any], speed: str) -> Observations:
@@ -32,7 +37,7 @@ def observed(given: Any, caller: Callable[..., Any], how: Mapping[str, Any], spe
     UsageError
         If keywords for reading are given with observations.
     """
-    refuse_keywords(caller, how, reading_keywords())
+    refuse_keywords(caller, how, READ_OPTIONS)
     if isinstance(given, Observations):
         if how:
             name = next(iter(how))
@@ -41,11 +46,6 @@ def observed(given: Any, caller: Callable[..., Any], how: Mapping[str, Any], spe
         return given
     default = {"reading_speed": speed} if speed else {}
     return read_observations(given, **{**default, **how})
-
-
-def reading_keywords() -> tuple[str, ...]:
-    """Keywords of `echocal.read_observations`."""
-    return tuple(inspect.signature(read_observations).parameters)[1:]
 
 
 def refuse_keywords(caller: Callable[..., Any], given: Iterable[str], also: Iterable[str] = ()) -> None:

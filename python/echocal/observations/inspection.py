@@ -14,8 +14,9 @@ import pandas as pd
 from echocal.errors import EchocalError
 from echocal.observations.fields import span
 from echocal.observations.found import found_in
-from echocal.observations.layout import Layout
 from echocal.observations.names import EXTRA, IGNORE
+from echocal.observations.options import ReadOptions
+from echocal.observations.plan import refuse_absent
 from echocal.observations.proposals import Proposal, codes_in, propose
 from echocal.observations.reading import read_observations
 from echocal.observations.sensors import note_of, sensors_in
@@ -137,30 +138,24 @@ class Inspection:
         }
 
 
-def inspect_log(
-    path: Path,
-    layout: Layout,
-    columns: Mapping[str, str],
-    missing: Mapping[str, list[str]],
-    *,
-    sheet: str | None = None,
-    **how: Any,
-) -> Inspection:
+def inspect_log(path: Path, options: ReadOptions | None = None) -> Inspection:
     """Look at a log, without using it.
 
     Parameters
     ----------
     path : Path
-    layout : Layout
-    columns, missing, **how
-        What the user says already, as in `echocal.read_observations`.
+    options : ReadOptions, optional
+        What the user says already; ``missing`` by column.
 
     Raises
     ------
     DataError
         If the file cannot be read as a table of any kind.
     """
-    table = load(path, layout, sheet=sheet)
+    options = options or ReadOptions()
+    columns, missing, how = options.requests, dict(options.missing), options.given()
+    table = load(path, options.layout, sheet=options.sheet)
+    refuse_absent(columns, table.columns)
     found = found_in(table)
     proposals = propose(table, found, columns)
     away = {EXTRA, IGNORE}
@@ -201,7 +196,7 @@ def _read(
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         try:
-            return read_observations(table, requests, missing=dict(codes), **how), ""
+            return read_observations(table, **{**how, "columns": requests, "missing": dict(codes)}), ""
         except EchocalError as error:
             return None, str(error)
 

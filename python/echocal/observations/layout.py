@@ -7,6 +7,7 @@ import zlib
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -39,6 +40,10 @@ class Layout:
     encoding: str = _DEFAULT
     text_column: str = ""
     """Column whose fields stay as they are: ids, of which 7 and 007 are two."""
+
+    def plain(self) -> dict[str, Any]:
+        """As arguments of `echocal.read_observations`."""
+        return {"skip_lines": self.skip_lines, "decimal": self.decimal, "encoding": self.encoding}
 
     def __post_init__(self) -> None:
         if not isinstance(self.skip_lines, int | np.integer) or not 0 <= self.skip_lines <= sys.maxsize:

@@ -1,9 +1,8 @@
 """From a column's name, or what the user says about it, to a quantity and its unit."""
 
 import re
-from difflib import get_close_matches
 
-from echocal.errors import DataError, UsageError
+from echocal.errors import DataError, UsageError, among
 from echocal.observations.units import FORMS, NAMES, THERMOMETER, UNIT_WORDS, Form
 from echocal.observations.units_said import symbol_of
 
@@ -65,11 +64,8 @@ def by_request(column: str, request: str) -> tuple[Form, str] | None:
     if form is not None:
         message = f"'{column}' = '{request}' has no known unit; accepted: {', '.join(form.names)}"
         raise UsageError(message)
-    near = get_close_matches(request, NAMES, n=1)
-    hint = f" (did you mean {near[0]}?)" if near else ""
-    message = (
-        f"'{column}' = '{request}' names no quantity{hint}; accepted: {', '.join(NAMES)}, {EXTRA}, {IGNORE}"
-    )
+    known = among(request, [*NAMES, EXTRA, IGNORE], "accepted:")
+    message = f"'{column}' = '{request}' names no quantity{known}"
     raise UsageError(message)
 
 

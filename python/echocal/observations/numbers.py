@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from echocal.errors import DataError, UsageError
+from echocal.errors import DataError, UsageError, among
 from echocal.observations.fields import fields, row, shown
 from echocal.observations.silence import says_no_echo
 
@@ -71,9 +71,7 @@ class Missing:
         """Refuse codes for a column that is not there."""
         absent = sorted(set(self._codes) - {"", *columns})
         if absent:
-            message = (
-                f"error codes for column '{absent[0]}', which is not there; it has: {', '.join(columns)}"
-            )
+            message = f"error codes for column '{absent[0]}', which is not there{among(absent[0], columns)}"
             raise UsageError(message)
 
     def texts(self, column: str) -> frozenset[str]:

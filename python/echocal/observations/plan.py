@@ -1,17 +1,16 @@
 """Which column of a table holds which quantity."""
 
 import tomllib
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field
-from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
-from echocal.errors import DataError, UsageError
+from echocal.errors import DataError, UsageError, among
 from echocal.observations.names import EXTRA, IGNORE, by_name, by_request
 from echocal.observations.units import Form, Unit
 
-__all__ = ["EVERYTHING", "Assignment", "Plan", "make", "read_columns"]
+__all__ = ["EVERYTHING", "Assignment", "Plan", "make", "read_columns", "refuse_absent"]
 
 EVERYTHING = "*"
 """Trusted in place of a column: no column is refused, however strange, for a diagnosis to explain."""
@@ -79,6 +78,14 @@ def read_columns(columns: Mapping[str, str] | str | Path | None) -> dict[str, st
     return {column.strip(): request for column, request in pairs.items()}
 
 
+def refuse_absent(names: Iterable[str], columns: Collection[str]) -> None:
+    """Raise `UsageError` where a name is none of a column."""
+    for name in names:
+        if name not in columns and name != EVERYTHING:
+            message = f"no column '{name}'{among(name, columns, 'the table has:')}"
+            raise UsageError(message)
+
+
 def make(columns: Collection[str], requests: Mapping[str, str], trusted: Collection[str] = ()) -> Plan:
     """Assign columns to quantities: what the user says goes first, then echocal's names.
 
@@ -89,9 +96,7 @@ def make(columns: Collection[str], requests: Mapping[str, str], trusted: Collect
     DataError
         If a name has no known unit, or two columns hold the same quantity.
     """
-    for column in (*requests, *trusted):
-        if column not in columns and column != EVERYTHING:
-            _refuse_absent(column, columns)
+    refuse_absent((*requests, *trusted), columns)
     assignments: dict[str, Assignment] = {}
     others, several = [], {}
     for column in columns:
@@ -116,14 +121,6 @@ def make(columns: Collection[str], requests: Mapping[str, str], trusted: Collect
             _refuse_second(earlier.column, column, form.quantity)
         assignments[form.quantity] = Assignment(column, form, unit)
     return Plan(assignments, tuple(others), several)
-
-
-def _refuse_absent(column: str, columns: Collection[str]) -> None:
-    near = get_close_matches(column, columns, n=1, cutoff=0.5)
-    lower = [name for name in columns if name.lower() == column.lower()]
-    hint = f"; did you mean '{(lower or near)[0]}'?" if lower or near else ""
-    message = f"no column '{column}'{hint} The table has: {', '.join(columns)}"
-    raise UsageError(message if hint else message.replace("' The", "'; the"))
 
 
 def _refuse_second(first: str, second: str, quantity: str) -> None:

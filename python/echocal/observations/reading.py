@@ -6,13 +6,17 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from echocal.errors import DataWarning, UsageError
+from echocal.errors import DataWarning
+from echocal.observations.options import ReadOptions
 from echocal.observations.table import Observations
 
 if TYPE_CHECKING:
+    import pandas as pd
+
+    from echocal.observations.found import Found
     from echocal.observations.join import Join
 
-__all__ = ["read_observations"]
+__all__ = ["read_observations", "understood"]
 
 
 def read_observations(
@@ -22,10 +26,10 @@ def read_observations(
     reading_speed: str | float | None = None,
     missing: Collection[Any] | Mapping[str, Any] = (),
     trust: Collection[str] = (),
-    time_zone: str = "UTC",
-    skip_lines: int = 0,
+    time_zone: str = ReadOptions.time_zone,
+    skip_lines: int = ReadOptions.skip_lines,
     decimal: str | None = None,
-    encoding: str = "utf-8-sig",
+    encoding: str = ReadOptions.encoding,
     time_format: str | None = None,
     at: Mapping[str, Any] | None = None,
     sheet: str | None = None,
@@ -99,33 +103,34 @@ def read_observations(
     (3, ['temperature'], ())
     """
     # slow import: only reading a table needs pandas
-    from echocal.observations import plan
     from echocal.observations.assembly import Assembly
     from echocal.observations.at import conditions_at, sentences
-    from echocal.observations.doubtful import doubtful_in
-    from echocal.observations.found import found_in
-    from echocal.observations.hints import completed
     from echocal.observations.numbers import Missing
-    from echocal.observations.sensors import note_of
+    from echocal.observations.plan import make
     from echocal.observations.source import load
-    from echocal.observations.text import Layout
 
-    trust = [trust] if isinstance(trust, str) else trust
-    if not isinstance(trust, Collection) or not all(isinstance(name, str) for name in trust):
-        message = f'trust lists names of columns, ["temperature_C"]; got {trust!r}'
-        raise UsageError(message)
-    table = load(source, Layout(skip_lines, decimal, encoding), sheet=sheet)
+    how = ReadOptions(
+        columns=columns,
+        reading_speed=reading_speed,
+        missing=missing,
+        trust=trust,
+        time_zone=time_zone,
+        skip_lines=skip_lines,
+        decimal=decimal,
+        encoding=encoding,
+        time_format=time_format,
+        at=at,
+        sheet=sheet,
+    )
+    table = load(source, how.layout, sheet=sheet)
     codes = Missing(missing)
-    stated = conditions_at(at, table)
+    stated = conditions_at(how.at, table)
     codes.refuse_unknown(table.columns)
-    found = found_in(table)
-    asked = plan.read_columns(columns)
-    doubtful = doubtful_in(table, {**found.requests, **asked})
-    requests, said = completed(list(table.columns), asked, found, doubtful)
-    planned = plan.make(list(table.columns), requests, trust)
-    assembly = Assembly(table, planned, codes, {*trust, *found.sure}, time_zone, time_format=time_format)
-    several = note_of(table, set(asked))
-    assembly.notes += [*found.notes, *said, *([several] if several else [])]
+    requests, found, said = understood(table, how.requests)
+    planned = make(list(table.columns), requests, how.trust)
+    trusted = {*how.trust, *found.sure}
+    assembly = Assembly(table, planned, codes, trusted, time_zone, time_format=time_format)
+    assembly.notes += [*found.notes, *said]
     assembly.mark_corrupt(found.corrupt)
     observations = assembly.observations(reading_speed)
     observations = _with_joins(observations, found.joined)
@@ -134,6 +139,20 @@ def read_observations(
     if not observations.usable.all():
         warnings.warn("; ".join(observations.notes), DataWarning, stacklevel=2)
     return observations
+
+
+def understood(table: "pd.DataFrame", asked: Mapping[str, str]) -> tuple[dict[str, str], "Found", list[str]]:
+    """What columns hold by the user, the log, their names and units; what the log says; what to tell."""
+    from echocal.observations.doubtful import doubtful_in
+    from echocal.observations.found import found_in
+    from echocal.observations.hints import completed
+    from echocal.observations.sensors import note_of
+
+    found = found_in(table)
+    doubtful = doubtful_in(table, {**found.requests, **asked})
+    requests, said = completed(list(table.columns), asked, found, doubtful)
+    several = note_of(table, set(asked))
+    return requests, found, [*said, *([several] if several else [])]
 
 
 def _with_joins(observations: Observations, joined: Mapping[str, "Join"]) -> Observations:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from echocal._core import __version__
-from echocal.errors import DomainWarning, UsageError
+from echocal.errors import DomainWarning, UsageError, among
 from echocal.model import Model
 from echocal.quantities import QUANTITIES
 from echocal.quantities.units import in_cf
@@ -73,7 +73,7 @@ def sweep(
     model = Model(model) if isinstance(model, str) else model
     unknown = sorted(set(conditions) - set(QUANTITIES))
     if unknown:
-        message = f"unknown influence quantity '{unknown[0]}'; known: {', '.join(QUANTITIES)}"
+        message = f"unknown influence quantity '{unknown[0]}'{among(unknown[0], QUANTITIES, 'known:')}"
         raise UsageError(message)
     given = {"temperature": temperature, "distance": distance, **conditions}
     axes = {name: axis(name, range_) for name, range_ in given.items()}

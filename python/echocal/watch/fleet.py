@@ -2,17 +2,15 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
 from echocal.correct.rows import Reading
-from echocal.correct.uncertainty import Uncertainties
-from echocal.errors import DataError, EchocalError, UsageError
+from echocal.errors import DataError, EchocalError, UsageError, among
 from echocal.model import Model
 from echocal.model.folder import label
-from echocal.observations.at import uncertainties_of
 from echocal.watch import verdict
 from echocal.watch.clock import Waiting
 from echocal.watch.comparison import Comparison
@@ -93,21 +91,13 @@ class Fleet:
     _checked: bool = False
 
     def __post_init__(self) -> None:
-        own = {name: value for name, value in self.options.items() if value not in (None, "")}
         ignored = [name for name in (self.by, self.reference.target, "topic") if name]
-        self._reader = Reader(own.get("columns"), ignored=ignored, missing=own.get("missing", ()))
-        at = {name: str(value) for name, value in (own.get("at") or {}).items()}
-        stated = {**uncertainties_of(at), **Uncertainties.of(self.uncertainties).stated}
-        self._reading = Reading(
-            missing=own.get("missing", ()),
-            trust=tuple(own.get("trust", ())),
-            time_zone=own.get("time_zone", "UTC"),
-            reading_speed=own.get("reading_speed"),
-            mark_rows=self.mark_rows,
-            uncertainties=Uncertainties(stated),
-            at=at,
-        )
-        self._time_format = own.get("time_format")
+        own = Reading.of(self.options, self.uncertainties, self.mark_rows)
+        self._time_format = own.time_format
+        self._reading = replace(own, time_format=None)  # of times that are read
+        self._reader = Reader(own.requests, ignored=ignored, missing=own.missing)
+        codes = own.missing if isinstance(own.missing, Mapping) else ()
+        self._named = {"column": own.requests, "trust": own.trust, "missing": codes}
         self._comparison = Comparison(self.reference, self.state)
 
     def refusal(self, row: Row) -> str:
@@ -286,14 +276,13 @@ class Fleet:
         after = row.number - self.settings.kept
         rows = self.state.rows_between(sensor.id, sensor.follow["from"], after, row.number)
         names = {name for one in rows for name in one}
-        options = {
-            name: value for name, value in self.options.items() if name not in {"missing", "time_format"}
-        }
-        asked = {**(options.get("columns") or {}), **sensor.requests, "time": "time", "time_s": "time_s"}
+        options = self._reading.given()
+        options.pop("missing", None)
+        asked = {**self._reading.requests, **sensor.requests, "time": "time", "time_s": "time_s"}
         away = [name for name in (self.by, self.reference.target, "topic") if name]
         columns = {**asked, **dict.fromkeys(away, "ignore")}
         options["columns"] = {name: said for name, said in columns.items() if name in names}
-        options["trust"] = [name for name in options.get("trust") or () if name in names]
+        options["trust"] = [name for name in self._reading.trust if name in names]
         if self.reference.kind == "distance":
             options["reference_distance"] = self.reference.distance
         options["constant_distance"] = self.reference.kind == "constant"
@@ -348,12 +337,10 @@ class Fleet:
         names = list(dict.fromkeys(name for row in rows for name in row))
         try:
             if self.by is not None and not any(_id_of(row.get(self.by)) for row in rows):
-                message = (
-                    f"a row has no sensor id in the column '{self.by}' of --by; it has {', '.join(names)}"
-                )
+                message = f"a row has no sensor id in the column '{self.by}' of --by{among(self.by, names)}"
                 raise DataError(message)
             known = {name for row in rows for name in self._reader.columns(list(row), units).plan.assignments}
-            asked = list(self.options.get("columns") or ())
+            asked = [(f"--{name}", column) for name, own in self._named.items() for column in own if column]
             refuse_columns(names, asked, known, RESULTS, self.reference, self.interval)
             self._refuse_no_echo(rows[0], units)
         except (DataError, UsageError) as error:

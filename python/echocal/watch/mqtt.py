@@ -130,6 +130,10 @@ class Broker:
         self._last.clear()
         state.set_position(self._session, self.topic)
 
+    def empty(self) -> str:
+        """Why no row has come."""
+        return f"no message of {self.topic} has come"
+
     def acknowledge(self) -> None:
         """Tell the broker that the messages so far are dealt with."""
         for message in self._taken:

@@ -4,7 +4,7 @@ from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from echocal.errors import DataError, UsageError
+from echocal.errors import DataError, UsageError, among
 from echocal.model import Model
 from echocal.model.folder import ModelFolder
 
@@ -89,7 +89,7 @@ def models_of(model: Model | None, folder: Path | None) -> Models:
 
 def refuse_columns(
     names: Sequence[str],
-    asked: Collection[str],
+    asked: Sequence[tuple[str, str | None]],
     known: Collection[str],
     results: Sequence[str],
     reference: Reference,
@@ -99,8 +99,10 @@ def refuse_columns(
 
     Parameters
     ----------
-    names, asked, known : collection of str
-        Columns of the rows, columns that the user says something of, and quantities that the rows have.
+    names, known : collection of str
+        Columns of the rows, and quantities that the rows have.
+    asked : sequence of (str, str)
+        Options that name a column, with the column.
     results : sequence of str
         Columns that are appended.
     reference : Reference
@@ -115,9 +117,9 @@ def refuse_columns(
         If the rows have no time, nothing to be compared with, or were corrected before.
     """
     listed = ", ".join(names)
-    for option, column in [*(("--column", name) for name in asked), ("--same-target", reference.target)]:
+    for option, column in [*asked, ("--same-target", reference.target)]:
         if column is not None and column not in names:
-            message = f"{option}: no row has a column '{column}'; the first rows have {listed}"
+            message = f"{option}: no row has a column '{column}'{among(column, names, 'the first rows have')}"
             raise UsageError(message)
     taken = [name for name in results if name in names]
     if taken:

@@ -185,15 +185,24 @@ class Run:
             said.append(f"{self.aside} set aside{where}")
         return "; ".join(said)
 
-    def refuse_nothing(self) -> None:
+    def refuse_nothing(self, empty: str) -> None:
         """Refuse to call rows done if none was corrected, nor by an earlier watch with this state.
+
+        Parameters
+        ----------
+        empty : str
+            What to say where no row has come at all; nothing where more is expected.
 
         Raises
         ------
         DataError
             With the reasons.
         """
-        if self.fleet.state.fact("corrected") or not (self._lost or self.aside):
+        if self.fleet.state.fact("corrected"):
+            return
+        if not (self._lost or self.aside):
+            if empty and not self.fleet.state.fact("begun"):
+                raise DataError(empty)
             return
         most = [(why, rows, self._first[why]) for why, rows in self._lost.most_common(3)]
         said = [f"{rows} x {why}" + (f", first {field!r:.80}" if field else "") for why, rows, field in most]

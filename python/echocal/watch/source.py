@@ -29,6 +29,9 @@ class Source(Protocol):
     def done(self, state: State) -> None:
         """Take the last batch for done, for what is committed next."""
 
+    def empty(self) -> str:
+        """Why no row has come."""
+
 
 class Lines:
     """Lines of a stream, such as stdin.
@@ -65,6 +68,10 @@ class Lines:
 
     def done(self, state: State) -> None:
         """Nothing to keep."""
+
+    def empty(self) -> str:
+        """Why no row has come."""
+        return "stdin ended without a row"
 
 
 class Files:
@@ -119,6 +126,16 @@ class Files:
         """Keep how far the file of the last batch is read."""
         if self.reading is not None:
             state.set_position(*self.reading)
+
+    def empty(self) -> str:
+        """Why no row has come; nothing where a note says it, of a file that the next start continues."""
+        files = self._files()
+        if self._unfinished:
+            return ""
+        if not files:
+            return f"{self.path} has no file to watch; endings: {', '.join(_TEXTS)}"
+        held = next((file for file in files if file.stat().st_size), None)
+        return f"{files[0]} is empty" if held is None else f"{held} has no row, or none below a header"
 
     def _files(self) -> list[Path]:
         if self.path.is_file():

@@ -15,6 +15,7 @@ from echocal.errors import DataError
 from echocal.observations.clock import YEARS, instants
 from echocal.observations.dates import DAY, as_iso
 from echocal.observations.fields import shown
+from echocal.observations.options import ReadOptions
 
 __all__ = ["Times"]
 
@@ -54,7 +55,7 @@ class Times:
     """
 
     column: str
-    zone: str = "UTC"
+    zone: str = ReadOptions.time_zone
     time_format: str | None = None
     dates: list[str] = field(default_factory=list)
     told_apart: bool = False

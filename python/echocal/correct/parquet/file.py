@@ -16,7 +16,7 @@ from echocal.correct.parquet.pieces import Piece, names_of, pieces_of, read_piec
 from echocal.correct.parquet.splice import Splice
 from echocal.correct.rows import Rows
 from echocal.correct.stream import corrected
-from echocal.errors import DataError, UsageError
+from echocal.errors import DataError, UsageError, among
 from echocal.model.folder import label
 from echocal.observations.arrow import arrow
 from echocal.outputs import opened_output
@@ -213,7 +213,7 @@ def _kept(footer: f.Footer, job: Job, corrector: Corrector) -> list[f.Field]:
     names = [field.name.strip() for field in fields]
     absent = [name for name in job.append_only if name not in names]
     if absent:
-        message = f"--append-only: there is no column '{absent[0]}'; the file has {', '.join(names)}"
+        message = f"--append-only: there is no column '{absent[0]}'{among(absent[0], names)}"
         raise UsageError(message)
     return [field for field, name in zip(fields, names, strict=True) if name in job.append_only]
 

@@ -48,11 +48,11 @@ class Text:
 
     def __init__(self, path: Path, job: Job, key: str | None) -> None:
         refuse_long_lines(path)
-        refuse_unstreamed(path, job.layout)
-        self.head, layout = resolved(path, job.layout)
+        refuse_unstreamed(path, job.reading.layout)
+        self.head, layout = resolved(path, job.reading.layout)
         names = self.head.names
-        requests = completed(names, job.requests, Found(units=self.head.units))[0]
-        job = replace(job, layout=layout, requests=requests)
+        requests = completed(names, job.reading.requests, Found(units=self.head.units))[0]
+        job = replace(job, reading=replace(job.reading, columns=requests, **layout.plain()))
         self.path, self.job = path, job
         try:
             self.corrector = Corrector(names, job, key)
@@ -64,7 +64,7 @@ class Text:
                 f"echocal inspect {path} --write table.csv"
             )
             raise DataError(message) from None
-        self.parser = Parser(path, self.head, job.layout, _kinds(names, job), _absent(job))
+        self.parser = Parser(path, self.head, job.reading.layout, _kinds(names, job), _absent(job))
         least, largest = _BLOCK
         size = (job.memory - _FIXED) // (_TIMES * (job.threads + 2))
         self.size = min(max(size, least), largest)
@@ -72,7 +72,7 @@ class Text:
 
     def blocks(self) -> Iterator[Block]:
         """Blocks of rows."""
-        return blocks_of(self.path, self.job.layout, self.head, self.size)
+        return blocks_of(self.path, self.job.reading.layout, self.head, self.size)
 
     def checked(self, block: Block) -> Lines:
         """Lines of a block, if it is text."""
@@ -80,7 +80,7 @@ class Text:
             if not block.data.isascii():
                 block.data.decode()
         except UnicodeError:
-            raise DataError(no_text(self.path, self.job.layout)) from None
+            raise DataError(no_text(self.path, self.job.reading.layout)) from None
         return self.parser.lines(block)
 
     def parsed(self, block: Block) -> tuple[Lines, pd.DataFrame]:
@@ -138,8 +138,8 @@ def correct_text(
     tally = Tally(columns=list(text.head.names))
     separator = text.head.separator
     with writing_text(out, zipped) as file:
-        above, header, end, units = prelude(source, job.layout, text.head)
-        if job.layout.encoding == "utf-8-sig" and begins_with_mark(source):
+        above, header, end, units = prelude(source, job.reading.layout, text.head)
+        if job.reading.layout.encoding == "utf-8-sig" and begins_with_mark(source):
             file.write(codecs.BOM_UTF8)
         if job.spreadsheet_safe:
             header = text.parser.line_without_formulas(header)
@@ -219,7 +219,7 @@ def _surroundings(text: Text, log: Sequence[Path]) -> dict[str, Any]:
 
 def _kinds(names: Sequence[str], job: Job) -> dict[str, str]:
     """How to parse the columns that are no numbers."""
-    requests = {name: own for name, own in job.requests.items() if name in names}
+    requests = {name: own for name, own in job.reading.requests.items() if name in names}
     kinds = {job.models.by: "text"}
     for source in make(list(names), requests).assignments.values():
         if source.form.label:

@@ -21,7 +21,7 @@ from echocal.diagnose.settings import Settings
 from echocal.errors import DataError
 from echocal.model import Model
 from echocal.observations import Observations
-from echocal.observations.given import reading_keywords, refuse_keywords
+from echocal.observations.given import READ_OPTIONS, refuse_keywords
 
 __all__ = ["diagnose_many"]
 
@@ -96,7 +96,7 @@ def diagnose_many(
     ('named', 'fixed_speed', ('A', 'B', 'C'))
     """
     start = time.perf_counter()
-    refuse_keywords(diagnose_many, table, reading_keywords())
+    refuse_keywords(diagnose_many, table, READ_OPTIONS)
     request = Request.of(
         base,
         seed,
@@ -131,7 +131,7 @@ def _each(
         begun = time.perf_counter()
         own = dict(how)
         if not isinstance(source, Observations):
-            own["reading_speed"] = own["reading_speed"] or request.base.reading_speed
+            own["reading_speed"] = own.get("reading_speed") or request.base.reading_speed
         try:
             result = examined(read(source, own), request, Steps(None))
         except DataError as error:

@@ -7,10 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from echocal.errors import DataError, UsageError
+from echocal.errors import DataError, UsageError, among
 from echocal.model.folder import label as label_of
 from echocal.observations import Observations
-from echocal.observations.plan import read_columns
 
 __all__ = ["Sources", "sources_of"]
 
@@ -102,18 +101,16 @@ def divided(table: Any, by: str, how: Mapping[str, Any]) -> Sources:
         If the column is absent or has no label; the text lists the columns.
     """
     from echocal.observations.found import found_in, keep
+    from echocal.observations.options import ReadOptions
     from echocal.observations.source import load  # slow import: only reading a table needs pandas
-    from echocal.observations.text import Layout
 
     if isinstance(table, Observations):
         message = "by= divides a file or a table; Observations have no such column"
         raise UsageError(message)
-    layout = Layout(how.get("skip_lines", 0), how.get("decimal"), how.get("encoding", "utf-8-sig"), by)
-    whole = load(table, layout, sheet=how.get("sheet"))
+    options = ReadOptions(**how)
+    whole = load(table, replace(options.layout, text_column=by), sheet=options.sheet)
     if by not in whole.columns:
-        message = (
-            f"there is no column '{by}' to divide the table by; it has {', '.join(map(str, whole.columns))}"
-        )
+        message = f"there is no column '{by}' to divide the table by{among(by, whole.columns)}"
         raise DataError(message)
     labels = [label_of(value) for value in whole[by].tolist()]
     if not any(labels):
@@ -125,6 +122,5 @@ def divided(table: Any, by: str, how: Mapping[str, Any]) -> Sources:
             rows.setdefault(label, []).append(place)
     found = replace(found_in(whole), corrupt={}, notes=())  # rows of the parts have other places
     parts = {label: keep(whole.iloc[places].reset_index(drop=True), found) for label, places in rows.items()}
-    columns = {**read_columns(how.get("columns")), by: "ignore"}
-    used = {"skip_lines": 0, "decimal": None, "encoding": "utf-8-sig", "sheet": None}
-    return Sources(parts, {**how, "columns": columns, **used}, sum(not label for label in labels), by)
+    own = replace(options, columns={**options.requests, by: "ignore"}).given()
+    return Sources(parts, own, sum(not label for label in labels), by)

@@ -5,7 +5,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -22,6 +22,8 @@ from echocal.shown import Shown
 
 if TYPE_CHECKING:
     from pandas import DataFrame
+
+    from echocal.correct.tables import Corrected
 
 __all__ = ["Diagnosis", "plain"]
 
@@ -125,22 +127,46 @@ class Diagnosis(Shown, Outcome):
         """
         return self._averaged("indicate", distance, conditions)
 
-    def correct(self, indication: ArrayLike, **conditions: ArrayLike) -> Estimate:
-        """True distance of a reading, averaged over the possible sets of causes; see `predict`.
+    @overload
+    def correct(self, table: "DataFrame | Mapping[str, Any] | str | Path", **options: Any) -> "Corrected": ...
+
+    @overload
+    def correct(self, table: ArrayLike, **options: ArrayLike) -> Estimate: ...
+
+    def correct(self, table: Any, **options: Any) -> "Corrected | Estimate":
+        """True distance of each row of a table by `model`, or of readings by all possible sets of causes.
 
         Parameters
         ----------
-        indication : array_like
-            Reading of the device [m], with the base's speed of sound.
-        **conditions
-            Influence quantities, as for `predict`.
+        table : table as for `echocal.correct`, or array_like
+            A table is read and corrected as `echocal.correct` does. Numbers are readings of the device
+            [m], with the base's speed of sound.
+        **options
+            With a table, arguments of `echocal.correct`. With readings, influence quantities, as for
+            `predict`.
 
         Returns
         -------
-        Estimate
-            Of the true distance [m].
+        Corrected or Estimate
+            Of readings, the estimate of the true distance [m].
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> import echocal
+        >>> reading = 1.008 + 1e-3 * np.sin(np.arange(40.0) ** 2)
+        >>> table = {"reading_m": reading, "temperature_C": np.full(40, 20.0)}
+        >>> diagnosis = echocal.diagnose(table, reference_distance=1.0)
+        >>> diagnosis.correct(table).table["corrected_distance_m"].round(2).unique().tolist()
+        [1.0]
+        >>> diagnosis.correct([1.008], temperature=20.0).value.round(2).tolist()
+        [1.0]
         """
-        return self._averaged("correct", indication, conditions)
+        if isinstance(table, Mapping | str | Path) or hasattr(table, "columns") or hasattr(table, "schema"):
+            from echocal.correct.tables import correct  # takes long to import
+
+            return correct(table, self.model, **options)
+        return self._averaged("correct", table, options)
 
     def _averaged(
         self, method: Literal["indicate", "correct"], first: ArrayLike, conditions: Mapping[str, ArrayLike]

@@ -1,0 +1,93 @@
+"""How a table is read: every option with its default, once."""
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, field, fields
+from pathlib import Path
+from typing import Any
+
+from echocal.errors import UsageError
+from echocal.observations.layout import Layout
+from echocal.observations.plan import read_columns
+
+__all__ = ["ReadOptions"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class ReadOptions:
+    """How a table is read: what keywords, flags of commands and jobs of workers say.
+
+    The attributes are the arguments of `echocal.read_observations`.
+
+    Raises
+    ------
+    UsageError
+        If an option has no meaning.
+
+    Examples
+    --------
+    >>> from echocal.observations.options import ReadOptions
+    >>> options = ReadOptions(trust="temperature_C", reading_speed=343)
+    >>> options.given(), options.layout.encoding
+    ({'reading_speed': '343', 'trust': ('temperature_C',)}, 'utf-8-sig')
+    >>> ReadOptions(**options.plain()) == options
+    True
+    """
+
+    columns: Mapping[str, str] | str | Path | None = None
+    reading_speed: str | float | None = None
+    missing: Collection[Any] | Mapping[str, Any] = ()
+    trust: Collection[str] = ()
+    time_zone: str = "UTC"
+    skip_lines: int = Layout.skip_lines
+    decimal: str | None = Layout.decimal
+    encoding: str = Layout.encoding
+    time_format: str | None = None
+    at: Mapping[str, Any] | None = None
+    sheet: str | None = None
+    layout: Layout = field(init=False, repr=False, compare=False)
+    """How a text file is written."""
+    requests: dict[str, str] = field(init=False, repr=False, compare=False)
+    """Meaning of columns, also where `columns` is a file."""
+
+    def __post_init__(self) -> None:
+        speed = None if self.reading_speed is None else str(self.reading_speed)
+        requests = read_columns(self.columns)
+        made = {
+            "requests": requests,
+            "columns": requests or None,
+            "reading_speed": speed,
+            "missing": self.missing if isinstance(self.missing, Mapping | str) else _listed(self.missing),
+            "trust": _names(self.trust),
+            "at": {name: str(value) for name, value in (self.at or {}).items()} or None,
+            "layout": Layout(self.skip_lines, self.decimal, self.encoding),
+        }
+        for name, value in made.items():
+            object.__setattr__(self, name, value)
+
+    def given(self) -> dict[str, Any]:
+        """The options that say something, as arguments of `echocal.read_observations`."""
+        own = ((one.name, getattr(self, one.name), one.default) for one in fields(ReadOptions) if one.init)
+        return {name: value for name, value, usual in own if value != usual}
+
+    def plain(self) -> dict[str, Any]:
+        """The same as JSON holds them."""
+        return {name: _plain(value) for name, value in self.given().items()}
+
+
+def _names(trust: Any) -> tuple[str, ...]:
+    listed = [trust] if isinstance(trust, str) else trust
+    if not isinstance(listed, Collection) or not all(isinstance(name, str) for name in listed):
+        message = f'trust lists names of columns, ["temperature_C"]; got {trust!r}'
+        raise UsageError(message)
+    return tuple(listed)
+
+
+def _listed(codes: Any) -> tuple[Any, ...]:
+    return tuple(codes) if isinstance(codes, Collection) else (codes,)
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, Mapping):
+        return {str(name): _plain(own) for name, own in value.items()}
+    several = isinstance(value, Collection) and not isinstance(value, str)
+    return [str(own) for own in value] if several else value
