@@ -48,6 +48,13 @@ class Geometry:
         docs/method/checks.md, Eq. 17a.
         """
         columns, factors = [one for one, _ in systematic], np.array([factor for _, factor in systematic])
+        free = [column for variant in fit.hypothesis.variants for column in variant.free]
+        taken = fit.covariance @ self.products[np.ix_(free, columns)] * factors
+        return np.asarray(np.linalg.norm(taken, axis=1))
+
+    def beyond_shared(self, signal: Matrix, systematic: Systematic) -> float:
+        """Visibility of a signal where the noise has these errors, too: docs/method/checks.md, Eq. 46a."""
+        columns, factors = [one for one, _ in systematic], np.array([factor for _, factor in systematic])
         along = factors * (self.products[columns] @ signal)
         among = factors[:, None] * self.products[np.ix_(columns, columns)] * factors
         shared = along @ np.linalg.solve(among + np.eye(len(columns)), along)
