@@ -63,10 +63,17 @@ def _of_means(case: Case) -> Record:
 
 def kept(answer: Mapping[str, Any]) -> Record:
     """The part of an answer that is judged: a record that holds it can be judged again."""
-    keys = ("id", "kind", "probability", "parameters", "indistinguishable_from", "in_model", "doubt")
+    keys = ("id", "kind", "probability", "parameters", "indistinguishable_from")
     return {
         "verdict": answer["verdict"],
-        "causes": [{key: cause.get(key, True) for key in keys} for cause in answer["causes"]],
+        "causes": [
+            {
+                **{key: cause[key] for key in keys},
+                "in_model": cause.get("in_model", True),
+                "doubt": cause.get("doubt", ""),
+            }
+            for cause in answer["causes"]
+        ],
         "posterior": [max(answer["posterior"], key=lambda entry: entry["probability"])],
         "unexplained": answer["unexplained"] and {"against": answer["unexplained"]["against"]},
         "gain": answer["gain"] and {key: answer["gain"][key] for key in ("rms_before_m", "rms_after_m")},
@@ -132,13 +139,13 @@ def _judged_name(case: Case, cause: Mapping[str, Any]) -> Record:
         status = "rival"
     else:
         status = "wrong"
-    keys = ("id", "kind", "probability", "doubt")
-    return {**{key: cause[key] for key in keys}, "status": status, "planted": planted, "held": held}
+    name = {key: cause[key] for key in ("id", "kind", "probability")}
+    return {**name, "doubt": cause.get("doubt", ""), "status": status, "planted": planted, "held": held}
 
 
 def is_sure(name: Record) -> bool:
     """Whether a name is a promise: of a cause with a doubt, the diagnosis says that it is not named."""
-    return bool(name["probability"] > NAMED and not name["doubt"])
+    return bool(name["probability"] > NAMED and not name.get("doubt"))
 
 
 def _claimed(case: Case, cause: Mapping[str, Any]) -> Column | None:
