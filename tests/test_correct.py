@@ -7,6 +7,7 @@ import pytest
 
 import echocal
 from echocal.correct import correct_file, correct_folder, correct_table
+from echocal.errors import UsageError
 
 DEVICE = echocal.Model("linear", {"fixed_delay": {"delay": 31e-6}, "zero_error": {"offset": 2e-3}})
 
@@ -151,3 +152,24 @@ def test_outputs_that_are_refused(tmp_path: Path) -> None:
     path.unlink()
     with pytest.raises(echocal.DataError, match=r"has no file that can be corrected"):
         correct_folder(tmp_path, tmp_path / "out", DEVICE)
+
+
+def test_what_is_no_model_and_no_table_is_said(tmp_path: Path) -> None:
+    distance = np.linspace(0.5, 2.0, 40)
+    rows = {"echo_us": 5840.0 * distance, "temperature_C": np.full(40, 20.0), "distance_m": distance}
+    diagnosis = echocal.diagnose(rows)
+    log = tmp_path / "log.csv"
+    log.write_text("echo_us,temperature_C\n11680,20\n")
+    for given, said in (
+        ("cramer", "got 'cramer'"),
+        ("m.json", "got 'm.json'"),
+        (diagnosis, "got a Diagnosis"),
+    ):
+        with pytest.raises(UsageError, match=f"correct needs a Model, {said}; Model"):
+            echocal.correct(rows, given)  # type: ignore[arg-type]
+        with pytest.raises(UsageError, match=f"correct needs a Model, {said}; Model"):
+            echocal.correct_files(log, tmp_path / "out.csv", given)  # type: ignore[arg-type]
+    read = echocal.read_observations(rows)
+    for verb in (diagnosis.correct, lambda table: echocal.correct(table, diagnosis.model)):
+        with pytest.raises(UsageError, match="give the table that they were read from"):
+            verb(read)

@@ -37,3 +37,32 @@ def test_errors_that_all_rows_share_are_in_the_uncertainty_of_a_size(random: np.
     assert len(off) >= TABLES / 4  # a delay may be told as an error of the zero, its rival
     assert np.mean(np.abs(off) <= 2.0) >= 0.8
     assert 0.5 < np.sqrt(np.mean(off**2)) < 1.6
+
+
+@pytest.mark.statistical
+@pytest.mark.parametrize("rho", [0.0, 0.9], ids=["white", "autoregressive"])
+def test_what_all_rows_share_is_no_more_than_it_is(random: np.random.Generator, rho: float) -> None:
+    """At one distance a delay takes up all of both errors, whichever noise is the most probable one."""
+    told = [one for _ in range(12) if (one := over_shared(random, rho)) is not None]
+    assert len(told) >= 3  # the class may be told by another of its names
+    np.testing.assert_allclose(told, 1.0, rtol=0.05)
+
+
+def over_shared(random: np.random.Generator, rho: float) -> float | None:
+    """Type B uncertainty of a delay alone over that of the errors; None if another cause is told."""
+    noise = 4e-6 * random.normal(size=ROWS)
+    for row in range(1, ROWS):
+        noise[row] = rho * noise[row - 1] + (1.0 - rho**2) ** 0.5 * noise[row]
+    celsius, model = (
+        random.uniform(10.0, 30.0, ROWS),
+        echocal.Model("cramer", {"fixed_delay": {"delay": 80e-6}}),
+    )
+    echo = model.time_of_flight(np.full(ROWS, 1.5), temperature=celsius, relative_humidity=0.5) + noise
+    table = {"echo_us": 1e6 * echo, "temperature_C": celsius, "humidity_percent": np.full(ROWS, 50.0)}
+    diagnosis = echocal.diagnose({**table, "distance_m": np.full(ROWS, 1.5)}, base="cramer")
+    if set(diagnosis.model.effects) != {"fixed_delay"}:
+        return None
+    (cause,) = (found for found in diagnosis.causes if found.id == "fixed_delay")
+    of_rows = diagnosis.model.standard_uncertainties["fixed_delay.delay"] or 0.0
+    type_b = np.sqrt(cause.parameters[0].standard_uncertainty ** 2 - of_rows**2)
+    return float(type_b / np.hypot(ARRIVAL, SCALE * echo.mean()))

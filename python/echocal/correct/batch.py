@@ -10,6 +10,7 @@ from echocal.correct.driver import Progress, Summary, alone, question_of, run, r
 from echocal.correct.inputs import PARQUETS, Inputs, find_inputs, refuse_nested
 from echocal.correct.logs import logs_of
 from echocal.correct.memory import in_bytes
+from echocal.correct.needed import refuse_no_model
 from echocal.correct.rows import Reading
 from echocal.engines import Engine, open_engine
 from echocal.engines.checks import check_workers
@@ -135,6 +136,8 @@ def correct_files(
     refuse_nested(inputs, source, target)
     if (model is None) == (models is None):
         raise UsageError("give one model (--model), or a folder of models (--models DIR --by COLUMN)")
+    if model is not None:
+        refuse_no_model(model)
     if (models is None) != (by is None) and models is not None:
         raise UsageError("--models DIR needs --by COLUMN, the column or partition with the key of a row")
     if spreadsheet_safe and inputs.single and target.name.lower().endswith(PARQUETS):

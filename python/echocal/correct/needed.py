@@ -2,9 +2,11 @@
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
+from pathlib import Path
 
 from echocal import _core
 from echocal.correct.marks import context_of, rules_of
+from echocal.errors import UsageError
 from echocal.model import Model
 from echocal.model.indicated_speed import speed_of
 from echocal.observations.marks import MARKS
@@ -13,7 +15,7 @@ from echocal.observations.plan import EVERYTHING, make
 from echocal.quantities import AIR, DEFAULTS, FROM_THERMOMETERS, QUANTITIES
 from echocal.registry import find_effect
 
-__all__ = ["Needed", "needed", "refuse_repeated", "remembered"]
+__all__ = ["Needed", "needed", "refuse_no_model", "refuse_repeated", "remembered"]
 
 _ECHOES = ("echo_time", "reading")
 _SOURCES = {"time": "elapsed_time", "times": "elapsed_time"}  # words of `derived_from`
@@ -153,3 +155,11 @@ def _derived_from(name: str) -> list[str]:
     words = (QUANTITIES[name].derived_from or "").split()
     known = {*QUANTITIES, "group", "order"}
     return [source for word in words if (source := _SOURCES.get(word, word)) in known]
+
+
+def refuse_no_model(model: object) -> None:
+    """Refuse what is given for a model and is none: a path, the name of a law, a diagnosis."""
+    if not isinstance(model, Model):
+        given = repr(model) if isinstance(model, str | Path) else f"a {type(model).__name__}"
+        message = f"correct needs a Model, got {given}; Model('cramer'), Model.load(path) or diagnosis.model"
+        raise UsageError(message)

@@ -9,15 +9,16 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from echocal.correct.needed import needed
+from echocal.correct.needed import needed, refuse_no_model
 from echocal.correct.results import DISTANCE, RESULTS, STATUS, UNCERTAINTY, UNUSABLE
 from echocal.correct.rows import Reading, Rows, correct_rows
-from echocal.errors import DataError
+from echocal.errors import DataError, UsageError
 from echocal.model import Model
 from echocal.observations.given import READ_OPTIONS, refuse_keywords
 from echocal.observations.numbers import Missing
 from echocal.observations.reading import understood
 from echocal.observations.source import load
+from echocal.observations.table import Observations
 
 __all__ = ["Corrected", "correct", "correct_table", "refuse_corrected", "results_of"]
 
@@ -97,6 +98,8 @@ def correct(
 
     Raises
     ------
+    UsageError
+        If the model is none, or the table is one of `Observations`.
     DataError
         If the table cannot be read, lacks what the model needs, or was corrected before.
 
@@ -110,6 +113,12 @@ def correct(
     [2.000305, 1.001011]
     """
     refuse_keywords(correct, options, READ_OPTIONS)
+    refuse_no_model(model)
+    if isinstance(table, Observations):
+        message = (
+            "correct appends columns to a table, got Observations; give the table that they were read from"
+        )
+        raise UsageError(message)
     said = {"columns": columns, "reading_speed": reading_speed, **options}
     reading = Reading.of(said, uncertainties, mark_rows)
     whole = load(table, reading.layout, sheet=reading.sheet)

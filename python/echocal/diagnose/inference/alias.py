@@ -10,6 +10,7 @@ from echocal import _core
 from echocal.diagnose.candidates.variant import Variant
 from echocal.diagnose.inference.hypothesis import HypothesisFit
 from echocal.diagnose.settings.claims import ClaimSettings
+from echocal.diagnose.settings.priors import WIDEST
 
 __all__ = ["Geometry"]
 
@@ -49,7 +50,8 @@ class Geometry:
         """
         columns, factors = [one for one, _ in systematic], np.array([factor for _, factor in systematic])
         free = [column for variant in fit.hypothesis.variants for column in variant.free]
-        taken = fit.covariance @ self.products[np.ix_(free, columns)] * factors
+        among = self.products[np.ix_(free, free)] + np.eye(len(free)) / WIDEST**2
+        taken = np.linalg.solve(among, self.products[np.ix_(free, columns)] * factors)
         return np.asarray(np.linalg.norm(taken, axis=1))
 
     def beyond_shared(self, signal: Matrix, systematic: Systematic) -> float:

@@ -17,6 +17,7 @@ from echocal.diagnose.results.outcome import Outcome
 from echocal.diagnose.results.smooth import refusal
 from echocal.errors import UsageError
 from echocal.model import Model
+from echocal.observations import Observations
 from echocal.outputs import replace_text
 from echocal.shown import Shown
 
@@ -162,7 +163,8 @@ class Diagnosis(Shown, Outcome):
         >>> diagnosis.correct([1.008], temperature=20.0).value.round(2).tolist()
         [1.0]
         """
-        if isinstance(table, Mapping | str | Path) or hasattr(table, "columns") or hasattr(table, "schema"):
+        a_table = isinstance(table, Mapping | str | Path | Observations)
+        if a_table or hasattr(table, "columns") or hasattr(table, "schema"):
             from echocal.correct.tables import correct  # takes long to import
 
             return correct(table, self.model, **options)

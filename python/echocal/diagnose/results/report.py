@@ -63,7 +63,7 @@ def report(
     term, noise = selection.term, selection.noise
     steps = steps_of(case.table, observations)
     fates = Fates.of(case.table, judge.held)
-    causes = _causes(case, inference.stack, ranking, selection, validation, joint, word)
+    causes = _causes(case, inference.reduced, ranking, selection, validation, joint, word)
     origin = {**validation.model.provenance, **_origin(causes, word)}
     if observations.reading_speed:
         origin["reading_speed"] = observations.reading_speed

@@ -13,7 +13,7 @@ __all__ = ["implausible"]
 
 
 def implausible(claims: Sequence[Claim], ranking: Ranking) -> dict[str, str]:
-    """Find claims whose sizes are far beyond the prior, or no larger than what all rows share.
+    """Find claims whose sizes are far beyond the prior, or that may be what all rows share.
 
     Beyond the prior something else may act that looks alike. A claim is plausible if one of the causes that
     the data cannot separate from it is, beside the other claims.

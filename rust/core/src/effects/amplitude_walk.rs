@@ -197,10 +197,7 @@ mod tests {
         for (time, apart) in [(1e-3_f64, 1e-6), (0.5, 5e-4), (1.7, 5e-3), (3.8, 0.01)] {
             let part = 1.0 - (1.0 + time) * (-time).exp();
             let found = two_resonances(one_resonance(part));
-            assert!(
-                (found / time - 1.0).abs() < apart,
-                "{part}: {found} {time}"
-            );
+            assert!((found / time - 1.0).abs() < apart, "{part}: {found} {time}");
         }
     }
 
