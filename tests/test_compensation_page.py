@@ -183,8 +183,15 @@ def test_a_row_without_an_echo_is_told(drawn: campaign.Drawn) -> None:
     assert found["mean_square"] == 0.0
 
 
-def test_a_better_detector_is_better(drawn: campaign.Drawn) -> None:
-    """The claim of the page: the comparator limits what a thermometer and a ruler leave."""
+def test_a_better_detector_is_better(seeded: Any, request: pytest.FixtureRequest) -> None:
+    """The claim of the page: the comparator limits what a thermometer and a ruler leave.
+
+    It is so for most devices, not for each: for 5 devices a majority decides.
+    """
     chosen = [Setting(campaign.BEST), Setting(campaign.BEST, oracle="detector")]
-    walked, ideal = (campaign.run(drawn, [one])[0][one.key]["nominal"]["all"] for one in chosen)
-    assert ideal["mean_square"] < walked["mean_square"]
+    better = 0
+    for device in range(5):
+        drawn = campaign.draw(int(seeded(request, str(device)).integers(2**31)), "spring")
+        walked, ideal = (campaign.run(drawn, [one])[0][one.key]["nominal"]["all"] for one in chosen)
+        better += ideal["mean_square"] < walked["mean_square"]
+    assert better >= 3
