@@ -86,12 +86,14 @@ def test_a_near_visit_in_whole_centimeters_is_not_stuck(random: np.random.Genera
 
 @pytest.mark.statistical
 def test_a_reading_that_freezes_by_day_is_stuck(random: np.random.Generator) -> None:
-    """In 75 of 100 tables drawn."""
-    table = calm(random)
+    """In 75 of 100 tables drawn; a single table failed the test in one run of 16, with its second draw."""
     days = np.sin(np.pi * np.arange(1500) / 72) > 0
-    table = {name: column[days] for name, column in table.items()}
-    table["reading_m"][100:120] = table["reading_m"][100]
-    assert "stuck_reading" in accepted(table)
+    found = 0
+    for _ in range(20):
+        table = {name: column[days] for name, column in calm(random).items()}
+        table["reading_m"][100:120] = table["reading_m"][100]
+        found += "stuck_reading" in accepted(table)
+    assert found >= 9
 
 
 @pytest.mark.statistical
