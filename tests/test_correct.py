@@ -111,7 +111,7 @@ def test_endings(ending: str, tmp_path: Path) -> None:
 def test_decimal_commas_stay(tmp_path: Path) -> None:
     source, out = tmp_path / "in.csv", tmp_path / "out.csv"
     source.write_text("echo_us;temperature_C\n11660,5;20,1\n")
-    correct_file(source, out, DEVICE, layout=echocal.observations.text.Layout(decimal=","))
+    correct_file(source, out, DEVICE, layout=echocal.observations.layout.Layout(decimal=","))
     assert out.read_text().splitlines()[1].startswith("11660,5;20,1;1,99")
 
 

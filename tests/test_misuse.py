@@ -9,7 +9,7 @@ import pytest
 
 import echocal
 from echocal import DataError, Model, ModelError, UsageError
-from echocal.observations.text import Layout
+from echocal.observations.layout import Layout
 
 CODES = (1.0, 0.0, 2.0)
 TABLE = {"reading_m": [2.0] * 9, "temperature_C": np.arange(10.0, 19.0), "distance_m": [2.0] * 9}

@@ -12,8 +12,8 @@ from echocal.correct.said import sentences
 from echocal.correct.tables import Corrected
 from echocal.errors import DataError, UsageError, writing
 from echocal.model import Model
+from echocal.observations.layout import Layout
 from echocal.observations.source import is_folder
-from echocal.observations.text import Layout
 from echocal.places import Place
 
 __all__ = ["correct_file", "correct_folder"]

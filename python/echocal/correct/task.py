@@ -21,7 +21,7 @@ from echocal.correct.job import Job
 from echocal.correct.manifest import check_owner
 from echocal.correct.staged import fetched, replaced
 from echocal.errors import DataError, EchocalError, OutputError, UsageError, unexpected
-from echocal.observations.source import is_parquet, refuse_other_kinds
+from echocal.observations.file import TextFile
 from echocal.places import Place, file_digest, place_of, stamp
 
 __all__ = ["RESULT", "SCHEMA", "run_task"]
@@ -134,22 +134,20 @@ def _correct(
     """Correct a file by its kind: what it begins with, and the ending of the output."""
     log = [source if path == task["source"] else Path(path) for path in task["log"]]
     ending = next((own for own in (*TEXTS, *PARQUETS) if target.lower().endswith(own)), "")
-    parquet = is_parquet(source)
-    if parquet and ending in PARQUETS:
+    file = TextFile(source, job.reading.layout)
+    if file.is_parquet and ending in PARQUETS:
         from echocal.correct.parquet.file import correct_parquet
 
         return correct_parquet(source, unfinished, job, task["key"], log, progress)
-    if not parquet:
-        refuse_other_kinds(source)
-    if not parquet and ending in TEXTS:
+    if not file.is_parquet and ending in TEXTS:
         from echocal.correct.text.file import correct_text
 
         zipped = ending.endswith(".gz")
-        return correct_text(source, unfinished, job, task["key"], log, progress, zipped=zipped)
+        return correct_text(file, unfinished, job, task["key"], log, progress, zipped=zipped)
     if ending in PARQUETS:
         from echocal.correct.text_to_parquet import text_to_parquet
 
-        return text_to_parquet(source, unfinished, job, task["key"], log, progress)
+        return text_to_parquet(file, unfinished, job, task["key"], log, progress)
     from echocal.correct.parquet_to_text import parquet_to_text
 
     return parquet_to_text(source, unfinished, ending, job, task["key"], log, progress)

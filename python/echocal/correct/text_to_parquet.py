@@ -16,6 +16,7 @@ from echocal.correct.text.file import Text, check_whole, correct_blocks
 from echocal.correct.text.parse import Lines
 from echocal.errors import DataError, UsageError
 from echocal.observations.arrow import Table, arrow
+from echocal.observations.file import TextFile
 from echocal.outputs import opened_output
 
 __all__ = ["text_to_parquet"]
@@ -31,7 +32,7 @@ _SHARE = 4
 
 
 def text_to_parquet(
-    source: Path,
+    source: TextFile,
     out: Path,
     job: Job,
     key: str | None,
@@ -76,9 +77,8 @@ def text_to_parquet(
             writer.write_table(_as_one(group, schema), row_group_size=size)
             progress(len(group))
     if not tally.rows:
-        message = (
-            f"{source} has a header ({', '.join(tally.columns)}) and no rows, so its columns have no types"
-        )
+        names = ", ".join(tally.columns)
+        message = f"{source.path} has a header ({names}) and no rows, so its columns have no types"
         raise DataError(message)
     check_whole(text, tally)
     pa.default_memory_pool().release_unused()

@@ -14,8 +14,8 @@ from echocal.fleet.labels import label
 from echocal.fleet.polar import Frame, polars
 from echocal.fleet.spill import KEY, PLACE, broken_files, pieces
 from echocal.fleet.tables import opened
+from echocal.observations.layout import Layout
 from echocal.observations.plan import make
-from echocal.observations.text import Layout
 
 __all__ = ["Log", "logs"]
 

@@ -10,8 +10,8 @@ from echocal.errors import DataError, among
 from echocal.fleet.labels import label
 from echocal.fleet.polar import polars
 from echocal.fleet.tables import Opened, opened
-from echocal.observations.source import is_parquet
-from echocal.observations.text import Layout
+from echocal.observations.file import is_parquet
+from echocal.observations.layout import Layout
 
 __all__ = ["Index", "Sensor", "indexed"]
 

@@ -16,8 +16,8 @@ from echocal.fleet.labels import label
 from echocal.fleet.polar import Frame, polars
 from echocal.fleet.store import Store, put
 from echocal.fleet.tables import opened
-from echocal.observations.source import is_parquet
-from echocal.observations.text import Layout
+from echocal.observations.file import is_parquet
+from echocal.observations.layout import Layout
 
 __all__ = ["KEY", "PLACE", "broken_files", "is_spilled", "pieces", "plan_spills", "run_spill"]
 

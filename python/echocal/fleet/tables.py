@@ -8,8 +8,9 @@ from echocal._interrupt import stop_if_told
 from echocal.correct.parquet.checksums import compare_checksums
 from echocal.errors import DataError, EchocalError, unexpected
 from echocal.fleet.polar import Frame, polars
-from echocal.observations.source import is_parquet, load
-from echocal.observations.text import Layout
+from echocal.observations.file import TextFile
+from echocal.observations.layout import Layout
+from echocal.observations.source import load
 
 __all__ = ["Opened", "opened"]
 
@@ -67,14 +68,15 @@ def opened(path: Path, layout: Layout, *, compare: bool = True) -> Opened:
         If it cannot be read.
     """
     pl = polars()
-    if is_parquet(path):
+    file = TextFile(path, layout)
+    if file.is_parquet:
         # hive levels are read from the path by the caller; here a column is a column of the file
         lazy = _tried(path, lambda: pl.scan_parquet(str(path), hive_partitioning=False, glob=False))
         schema = _tried(path, lazy.collect_schema)
         if compare:
             _tried(path, lambda: compare_checksums(path))
         return Opened(path, lazy, schema)
-    whole = _tried(path, lambda: load(path, layout))
+    whole = _tried(path, lambda: load(file))
     frame = _tried(path, lambda: pl.from_pandas(whole))
     return Opened(path, frame.lazy(), frame.schema)
 

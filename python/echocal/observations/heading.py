@@ -4,14 +4,27 @@ import csv
 import re
 from collections import Counter
 from collections.abc import Sequence
+from dataclasses import replace
 
 from echocal.errors import DataError
-from echocal.observations.layout import Head
+from echocal.observations.layout import Head, Layout
+from echocal.observations.quotes import Marks
 from echocal.observations.units_said import is_unit_row
 
-__all__ = ["SEPARATORS", "decimal_of", "fields_of", "find_head", "is_value", "names_of", "too_long"]
+__all__ = [
+    "FIRST",
+    "SEPARATORS",
+    "decimal_of",
+    "fields_of",
+    "find_head",
+    "head_in",
+    "is_value",
+    "names_of",
+    "too_long",
+]
 
 SEPARATORS = ",;\t|"
+FIRST = 200  # lines that are looked at for the header
 _NUMBER = re.compile(r"[-+]?(?:\d[\d.,']*|[.,]\d+)(?:[eE][-+]?\d+)?")
 _TIME = re.compile(r"\d{1,4}[-./]\d{1,2}[-./]\d{1,4}(?:[T ].*)?|\d{1,2}:\d{2}(?::\d{2}.*)?(?: ?[AP]M)?")
 _SEP_LINE = re.compile(r'"?sep=(.)"?', re.IGNORECASE)
@@ -42,6 +55,55 @@ def too_long(line: str) -> DataError:
         f"{csv.field_size_limit():,} characters, which no table of measurements has; remove it"
     )
     return DataError(message)
+
+
+def head_in(lines: list[str], layout: Layout, path: str) -> Head:
+    """Find the header in the first lines below those that are skipped.
+
+    Raises
+    ------
+    DataError
+        If there is none.
+    """
+    skip, before, lines = _first_lines(lines, layout.skip_lines, path)
+    head = find_head(lines, skip, before)
+    if layout.decimal is not None:
+        head = replace(head, decimal=layout.decimal)
+    first = lines[0]
+    if (
+        not head.nameless
+        and head.separator not in first
+        and head.above == skip + 1
+        and any(s in "".join(lines[1:2]) for s in SEPARATORS)
+    ):
+        message = (
+            f"{path}: line {skip + 1} ('{first[:40]}') is one field and the next line has more; "
+            f"if it is a logger's own line, skip it: --skip-lines {skip + 1}"
+        )
+        raise DataError(message)
+    if not head.nameless and head.above > skip:
+        header = lines[head.above - skip - 1]
+        Marks(path, head.separator, len(head.names)).rows([header], head.above)
+    return head
+
+
+def _first_lines(lines: list[str], skip: int, path: str) -> tuple[int, str, list[str]]:
+    """Lines above the first that is no comment, the last of those, and that line with some after it."""
+    before = ""
+    while lines and (lines[0].startswith("#") or not lines[0].strip()):
+        skip += 1
+        before = lines.pop(0).strip()
+    if not lines:
+        message = f"{path} has no header" + (f" after {skip} skipped lines" if skip else "")
+        raise DataError(message)
+    if "\0" in lines[0]:
+        wide = {0: "utf-16-be", 1: "utf-16-le"}.get(lines[0].find("\0"), "utf-16")
+        message = (
+            f"{path} is not text: its first line has NUL bytes; a binary file, or name the encoding: "
+            f"--encoding {wide}"
+        )
+        raise DataError(message)
+    return skip, before, [line.rstrip("\r\n") for line in lines]
 
 
 def find_head(lines: Sequence[str], skipped: int, before: str) -> Head:

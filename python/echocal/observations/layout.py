@@ -1,19 +1,16 @@
 """How a text file is written."""
 
 import codecs
-import gzip
 import sys
-import zlib
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from echocal.errors import UsageError
 
-__all__ = ["CUT_SIGN", "NO_SIGN", "Head", "Layout", "is_zipped", "no_encoding", "seen_in", "settled"]
+__all__ = ["CUT_SIGN", "NO_SIGN", "Head", "Layout", "said_no_text", "seen_in"]
 
 CUT_SIGN = "echocal.cut_sign"
 """How a file that is cut within a sign is decoded; anything else that is no text is an error."""
@@ -24,7 +21,6 @@ NO_SIGN = "\ufffd"
 _OF_CUTS = ("unexpected end of data", "truncated data", "incomplete multibyte sequence")
 
 _DEFAULT = "utf-8-sig"
-_SAMPLE = 1 << 20
 _WESTERN = frozenset(b"\xb0\xb1\xb2\xb3\xb5\xe4\xf6\xfc\xc4\xd6\xdc\xdf")
 """Degree, plus-minus, square, cube, micro and German letters: the signs of units and names in cp1252."""
 
@@ -53,7 +49,7 @@ class Layout:
             message = f"decimal separator '{self.decimal}' is neither '.' nor ','"
             raise UsageError(message)
         try:
-            codecs.lookup(self.encoding)
+            "".encode(self.encoding)  # also refuses one of bytes, such as zip
         except (LookupError, TypeError, ValueError):
             raise UsageError(no_encoding(self.encoding)) from None
 
@@ -121,26 +117,16 @@ def no_encoding(name: object) -> str:
     return f"unknown encoding '{name}'; common ones: utf-8, latin-1, utf-16"
 
 
-def is_zipped(path: Path) -> bool:
-    """Whether a file begins as gzip does."""
-    with path.open("rb") as file:
-        return file.read(2) == b"\x1f\x8b"
-
-
-def settled(path: Path, layout: Layout) -> Layout:
-    """The layout of a file, where its signs above ASCII can only be those of cp1252."""
-    if layout.encoding != _DEFAULT:
-        return layout
-    try:
-        with gzip.open(path) if is_zipped(path) else path.open("rb") as file:
-            sample: bytes = file.read(_SAMPLE)
-    except (OSError, EOFError, zlib.error):
-        return layout  # the reader tells
-    return seen_in(sample, layout)
+def said_no_text(name: str, encoding: str, begins: bytes) -> str:
+    """Say that a text is none in its encoding, by its name and what it begins with."""
+    encoding = encoding.removesuffix("-sig")
+    wide = begins[:2] in {b"\xff\xfe", b"\xfe\xff"}
+    likely = "utf-16" if wide else "latin-1 (or cp1252, utf-16, ...)"
+    return f"{name} is not text in {encoding}: a binary file, or name the encoding: --encoding {likely}"
 
 
 def seen_in(sample: bytes, layout: Layout) -> Layout:
-    """The layout of a text that begins so; see `settled`."""
+    """The layout of a text that begins so, where its signs above ASCII can only be those of cp1252."""
     if layout.encoding != _DEFAULT or sample.isascii() or 0 in sample:
         return layout
     try:

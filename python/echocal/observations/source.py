@@ -12,33 +12,21 @@ from echocal.conditions import unmasked
 from echocal.errors import DataError, UsageError
 from echocal.observations import readers, text
 from echocal.observations.arrow import arrow, read_parquet, to_pandas
+from echocal.observations.file import TextFile
+from echocal.observations.layout import Layout
 
-__all__ = ["is_folder", "is_parquet", "load", "refuse_other_kinds", "refuse_unstreamed"]
-
-_PARQUET = b"PAR1"
-_NO_TEXT = {
-    b"ARRO": "an Arrow (Feather) file; save it as Parquet, or read it with pyarrow and pass the table",
-    b"\x89HDF": "an HDF5 or NetCDF file; read it with xarray or pandas and pass the table",
-    b"CDF": "a NetCDF file; read it with xarray and pass the dataset",
-    b'"TOB': "binary data of a Campbell logger; convert it to TOA5 with CardConvert (LoggerNet, PC400)",
-    b"SQLi": "an SQLite database; save the table as CSV",
-}
-"""What files begin with that are no table of text."""
+__all__ = ["is_folder", "load", "refuse_unstreamed"]
 
 
-def load(
-    source: Any, layout: text.Layout | None = None, *, verbatim: bool = False, sheet: str | None = None
-) -> pd.DataFrame:
+def load(source: Any, layout: Layout | None = None, *, sheet: str | None = None) -> pd.DataFrame:
     """Load a table, every row and every column of it.
 
     Parameters
     ----------
-    source : path, DataFrame of any library, or mapping of str to array_like
+    source : path, TextFile, DataFrame of any library, or mapping of str to array_like
         See `echocal.read_observations`.
     layout : Layout, optional
         How a text file is written.
-    verbatim : bool
-        Keep every field of a text file as the text it is, for writing it again unchanged.
     sheet : str, optional
         Sheet of a spreadsheet.
 
@@ -50,8 +38,9 @@ def load(
         If the source is no table.
     """
     if isinstance(source, str | Path):
-        table = _file(Path(source), layout or text.Layout(), verbatim, sheet)
-        where = f"{source}"
+        source = TextFile(Path(source), layout or Layout())
+    if isinstance(source, TextFile):
+        table, where = _file(source, sheet), f"{source.path}"
     else:
         table, where = _object(source), "the table"
     table.columns = pd.Index([str(name).strip() for name in table.columns], dtype=object)
@@ -76,27 +65,7 @@ def is_folder(path: Path) -> bool:
         return False
 
 
-def is_parquet(path: Path) -> bool:
-    """Whether a file begins as Parquet does.
-
-    Raises
-    ------
-    DataError
-        If it cannot be read.
-    """
-    return _head(path).startswith(_PARQUET)
-
-
-def refuse_other_kinds(path: Path) -> None:
-    """Raise `DataError` for a file that is neither Parquet nor text."""
-    head = _head(path)
-    for start, told in _NO_TEXT.items():
-        if head.startswith(start):
-            message = f"{path} is {told}"
-            raise DataError(message)
-
-
-def refuse_unstreamed(path: Path, layout: text.Layout) -> None:
+def refuse_unstreamed(file: TextFile) -> None:
     """Refuse a log that cannot be written again line by line.
 
     Raises
@@ -104,47 +73,22 @@ def refuse_unstreamed(path: Path, layout: text.Layout) -> None:
     DataError
         With the command that makes a table of it.
     """
-    kind = readers.format_of(path, layout)
-    if not kind and text.resolved(path, layout)[0].nameless:
+    kind = readers.format_of(file)
+    if not kind and file.head.nameless:
         kind = "text without a header"
     if kind:
         message = (
-            f"{path} is {kind}, which cannot be kept line by line; make a table of it first: "
-            f"echocal inspect {path} --write table.csv"
+            f"{file.path} is {kind}, which cannot be kept line by line; make a table of it first: "
+            f"echocal inspect {file.path} --write table.csv"
         )
         raise DataError(message)
 
 
-def _file(path: Path, layout: text.Layout, verbatim: bool, sheet: str | None) -> pd.DataFrame:
-    if is_parquet(path):
-        return _index_as_columns(to_pandas(read_parquet(path)[0]))
-    refuse_other_kinds(path)
-    table = readers.read(path, layout, sheet)
-    if table is None:
-        table = text.read(path, layout, verbatim)
-    return table if verbatim else readers.tidy(table)
-
-
-def _head(path: Path) -> bytes:
-    try:
-        with path.open("rb") as file:
-            head = file.read(4)
-    except IsADirectoryError:
-        message = f"{path} is a folder; name one file of it"
-        raise DataError(message) from None
-    except FileNotFoundError:
-        message = f"no file {path}"
-        raise DataError(message) from None
-    except OSError as error:
-        message = f"{path} cannot be read: {error.strerror}"
-        raise DataError(message) from None
-    except ValueError as error:  # a NUL byte, a lone surrogate
-        message = f"{str(path)!r} cannot be the name of a file: {error}"
-        raise DataError(message) from None
-    if not head:
-        message = f"{path} is empty"
-        raise DataError(message)
-    return head
+def _file(file: TextFile, sheet: str | None) -> pd.DataFrame:
+    if file.is_parquet:
+        return _index_as_columns(to_pandas(read_parquet(file.path)[0]))
+    table = readers.read(file, sheet)
+    return readers.tidy(text.read(file) if table is None else table)
 
 
 def _object(source: Any) -> pd.DataFrame:

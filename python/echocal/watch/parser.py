@@ -10,10 +10,9 @@ from typing import Any, NamedTuple
 from echocal.correct.needed import refuse_repeated
 from echocal.errors import DataError
 from echocal.observations.found import CUT
-from echocal.observations.heading import decimal_of, fields_of, is_value, names_of
-from echocal.observations.layout import Head, Layout, seen_in
+from echocal.observations.heading import FIRST, decimal_of, fields_of, head_in, is_value, names_of
+from echocal.observations.layout import Head, Layout, said_no_text, seen_in
 from echocal.observations.records import Record, Records
-from echocal.observations.text import FIRST, head_in, said_no_text
 from echocal.watch.rows import Row
 
 __all__ = ["Arrival", "Batch", "Parser", "Unread", "json_of", "parsed"]

@@ -7,8 +7,8 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import IO, Any, Protocol
 
-from echocal.correct.text.blocks import LONGEST, too_long
 from echocal.errors import DataError, UsageError
+from echocal.observations.file import LONGEST, line_too_long
 from echocal.observations.layout import Layout
 from echocal.watch.parser import Batch, Parser
 from echocal.watch.state import State
@@ -64,7 +64,7 @@ class Lines:
             if not data:
                 return
             if len(rest) > LONGEST:
-                raise too_long("stdin", parser.line + 1)
+                raise line_too_long("stdin", parser.line + 1)
 
     def done(self, state: State) -> None:
         """Nothing to keep."""
@@ -177,7 +177,7 @@ class Files:
                     if ended:
                         break
                     if stream.tell() - len(data) == at["byte"] and asked > LONGEST:
-                        raise too_long(file, parser.line + 1)
+                        raise line_too_long(file, parser.line + 1)
                     asked *= 2 if stream.tell() - len(data) == at["byte"] else 1
         except OSError as error:
             message = f"{file} cannot be read: {error.strerror or error}"

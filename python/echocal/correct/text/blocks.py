@@ -1,33 +1,21 @@
 """The lines of a text file, some megabytes at a time."""
 
 import codecs
-import gzip
-import io
-import zlib
 from collections.abc import Iterator
 from dataclasses import dataclass
-from itertools import islice
-from pathlib import Path
-from typing import IO, Any
 
 import numpy as np
 
-from echocal.errors import DataError
+from echocal.observations.file import LONGEST, TextFile, line_too_long
 from echocal.observations.layout import CUT_SIGN
 from echocal.observations.quotes import Marks
-from echocal.observations.text import Head, Layout, below, is_zipped, no_text
 
-__all__ = ["LONGEST", "Block", "begins_with_mark", "blocks_of", "prelude", "refuse_long_lines", "too_long"]
+__all__ = ["Block", "blocks_of"]
 
 _RECORDS = 20_000
 """Rows of a block where quotation marks may span lines."""
 
 _QUOTE, _LINE_FEED = 34, 10
-
-LONGEST = 1 << 22
-"""Bytes of a line at most: no table of measurements has longer ones, and a damaged file may; judgement."""
-
-_FIRST = 200  # lines that are looked at before anything else looks at them
 
 
 @dataclass(frozen=True)
@@ -49,70 +37,24 @@ class Block:
         return len(self.data)
 
 
-def prelude(path: Path, layout: Layout, head: Head) -> tuple[str, str, str, list[str]]:
-    """The lines above the header, the header, what ends it, and the lines between it and the rows."""
-    with below(path, layout, 0) as file:
-        lines = list(islice(file, head.start))
-    lines, under = lines[: head.above], lines[head.above :]
-    header = lines[-1].rstrip("\r\n")
-    return "".join(lines[:-1]), header, lines[-1][len(header) :] or "\n", under
-
-
-def refuse_long_lines(path: Path) -> None:
-    """Refuse a file whose first lines are no lines: looking for a format in them would take minutes.
-
-    Raises
-    ------
-    DataError
-        With the number of the line.
-    """
-    try:
-        with gzip.open(path) if is_zipped(path) else path.open("rb") as file:
-            for number in range(1, _FIRST + 1):
-                line: bytes = file.readline(LONGEST + 1)
-                if number == 1 and line.lstrip(codecs.BOM_UTF8 + b" ")[:1] in (b"[", b"{"):
-                    return  # JSON may be one line
-                if len(line) > LONGEST and b"\r" not in line:
-                    raise too_long(path, number)
-    except (OSError, EOFError, zlib.error):
-        return  # the reader tells
-
-
-def too_long(path: Path | str, number: int) -> DataError:
-    """An error for a line that is none."""
-    message = (
-        f"{path}: line {number} has more than {LONGEST:,} bytes, which no line of a table of measurements "
-        "has: the file is damaged, or another kind of file"
-    )
-    return DataError(message)
-
-
-def begins_with_mark(path: Path) -> bool:
-    """Whether a file begins with the mark of UTF-8."""
-    with path.open("rb") as file:
-        return file.read(3) == codecs.BOM_UTF8
-
-
-def blocks_of(path: Path, layout: Layout, head: Head, size: int) -> Iterator[Block]:
-    """Blocks of the rows below the header.
+def blocks_of(file: TextFile, size: int) -> Iterator[Block]:
+    """Blocks of the rows below the header, of so many bytes.
 
     Raises
     ------
     DataError
         If the file cannot be unpacked or is not text, or a quotation mark is wrong.
     """
-    above, header, end, under = prelude(path, layout, head)
-    skipped = len((above + header + end + "".join(under)).encode())
-    first = head.start + 1
+    first = file.head.start + 1
     rest = b""
-    for part in _parts(path, layout, skipped, size):
+    for part in _parts(file, size):
         if (_is_marked(rest) or _is_marked(part)) and _opens(rest + part):
-            yield from _records(path, layout, head, first)
+            yield from _records(file, first)
             return
         cut = part.rfind(b"\n") + 1
         data, rest = (b"".join((rest, memoryview(part)[:cut])), part[cut:]) if cut else (b"", rest + part)
         if len(rest) > max(LONGEST, size):
-            raise too_long(path, first + data.count(b"\n"))
+            raise line_too_long(file.path, first + data.count(b"\n"))
         if data:
             yield Block(data, first)
             first += int(np.count_nonzero(np.frombuffer(data, np.uint8) == _LINE_FEED))
@@ -128,56 +70,15 @@ def _whole_signs(data: bytes) -> bytes:
         return data  # it is no text elsewhere
 
 
-def _parts(path: Path, layout: Layout, skipped: int, size: int) -> Iterator[bytes]:
+def _parts(file: TextFile, size: int) -> Iterator[bytes]:
     """Bytes below the header, in UTF-8."""
-    try:
-        with _opened(path, layout) as file:
-            mark = file.read(3)
-            rest = b"" if mark == codecs.BOM_UTF8 and _name(layout) == "utf-8-sig" else mark
-            while len(rest) < skipped and (more := file.read(skipped - len(rest))):
-                rest += more
-            if len(rest) > skipped:
-                yield rest[skipped:]
-            while part := file.read(size):
-                yield part
-    except UnicodeError:
-        raise DataError(no_text(path, layout)) from None
-    except (OSError, EOFError, zlib.error) as error:
-        message = f"{path} cannot be unpacked: {error}"
-        raise DataError(message) from None
-
-
-def _opened(path: Path, layout: Layout) -> IO[bytes]:
-    opened: Any = gzip.open if is_zipped(path) else open
-    file: IO[bytes] = opened(path, "rb")
-    if _name(layout) in ("utf-8", "utf-8-sig"):
-        return file
-    return _Recoded(file, layout.encoding)  # type: ignore[return-value]
-
-
-def _name(layout: Layout) -> str:
-    return codecs.lookup(layout.encoding).name
-
-
-class _Recoded:
-    """A file in another encoding, read as UTF-8."""
-
-    def __init__(self, file: IO[bytes], encoding: str) -> None:
-        self._text = io.TextIOWrapper(file, encoding=encoding, errors=CUT_SIGN, newline="")
-        self._rest = b""
-
-    def __enter__(self) -> "_Recoded":
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self._text.close()
-
-    def read(self, count: int) -> bytes:
-        """So many bytes; fewer at the end."""
-        while len(self._rest) < count and (more := self._text.read(count)):
-            self._rest += more.encode()
-        taken, self._rest = self._rest[:count], self._rest[count:]
-        return taken
+    with file.opened() as data:
+        if codecs.lookup(file.layout.encoding).name not in ("utf-8", "utf-8-sig"):
+            with file.below(data, file.head.start) as text:
+                yield from (part.encode() for part in iter(lambda: text.read(size), ""))
+            return
+        data.seek(len(file.mark) + len("".join(file.prelude).encode()))
+        yield from iter(lambda: data.read(size), b"")
 
 
 def _is_marked(data: bytes) -> bool:
@@ -198,13 +99,13 @@ def _opens(data: bytes) -> bool:
     return bool((np.bincount(np.searchsorted(ends, marks)) % 2).any()) if len(marks) else False
 
 
-def _records(path: Path, layout: Layout, head: Head, first: int) -> Iterator[Block]:
+def _records(file: TextFile, first: int) -> Iterator[Block]:
     """The same, by the rules of quotation marks; slower."""
-    marks = Marks(str(path), head.separator, len(head.names), head.is_no_row)
-    with below(path, layout, first - 1) as file:
+    marks = Marks(str(file.path), file.head.separator, len(file.head.names), file.head.is_no_row)
+    with file.opened() as data, file.below(data, first - 1) as text:
         lines: list[str] = []
         count, at = 0, first
-        for _, held in marks.records(file, first, cut=True):
+        for _, held in marks.records(text, first, cut=True):
             if count == _RECORDS and not marks.is_cut:  # what is cut is judged by the row before it
                 yield Block("".join(lines).encode(), at)
                 at += len(lines)

@@ -1,6 +1,5 @@
 """Correct one text file: its lines stay letter for letter, and each is read once."""
 
-import codecs
 import gzip
 import threading
 from collections.abc import Callable, Iterator, Sequence
@@ -16,17 +15,17 @@ from echocal.correct.job import Job
 from echocal.correct.logs import surroundings
 from echocal.correct.rows import Rows
 from echocal.correct.stream import corrected, in_order
-from echocal.correct.text.blocks import Block, begins_with_mark, blocks_of, prelude, refuse_long_lines
+from echocal.correct.text.blocks import Block, blocks_of
 from echocal.correct.text.parse import Lines, Parser
 from echocal.correct.text.write import header_with_results, with_empty, with_results
 from echocal.errors import DataError, UsageError
 from echocal.model.folder import label
+from echocal.observations.file import TextFile
 from echocal.observations.found import CORRUPT, Found
 from echocal.observations.hints import completed
 from echocal.observations.part import Part
 from echocal.observations.plan import make
 from echocal.observations.source import refuse_unstreamed
-from echocal.observations.text import no_text, resolved
 from echocal.outputs import opened_output
 
 __all__ = ["Text", "check_whole", "correct_blocks", "correct_text", "writing_text"]
@@ -46,14 +45,14 @@ _TIMES = 12
 class Text:
     """A text file that is corrected."""
 
-    def __init__(self, path: Path, job: Job, key: str | None) -> None:
-        refuse_long_lines(path)
-        refuse_unstreamed(path, job.reading.layout)
-        self.head, layout = resolved(path, job.reading.layout)
+    def __init__(self, file: TextFile, job: Job, key: str | None) -> None:
+        refuse_unstreamed(file)
+        path, self.head = file.path, file.head
+        layout = replace(file.layout, decimal=self.head.decimal)
         names = self.head.names
         requests = completed(names, job.reading.requests, Found(units=self.head.units))[0]
         job = replace(job, reading=replace(job.reading, columns=requests, **layout.plain()))
-        self.path, self.job = path, job
+        self.file, self.path, self.job = file, path, job
         try:
             self.corrector = Corrector(names, job, key)
         except DataError as error:
@@ -64,7 +63,7 @@ class Text:
                 f"echocal inspect {path} --write table.csv"
             )
             raise DataError(message) from None
-        self.parser = Parser(path, self.head, job.reading.layout, _kinds(names, job), _absent(job))
+        self.parser = Parser(path, self.head, _kinds(names, job), _absent(job))
         least, largest = _BLOCK
         size = (job.memory - _FIXED) // (_TIMES * (job.threads + 2))
         self.size = min(max(size, least), largest)
@@ -72,7 +71,7 @@ class Text:
 
     def blocks(self) -> Iterator[Block]:
         """Blocks of rows."""
-        return blocks_of(self.path, self.job.reading.layout, self.head, self.size)
+        return blocks_of(self.file, self.size)
 
     def checked(self, block: Block) -> Lines:
         """Lines of a block, if it is text."""
@@ -80,7 +79,7 @@ class Text:
             if not block.data.isascii():
                 block.data.decode()
         except UnicodeError:
-            raise DataError(no_text(self.path, self.job.reading.layout)) from None
+            raise self.file.no_text() from None
         return self.parser.lines(block)
 
     def parsed(self, block: Block) -> tuple[Lines, pd.DataFrame]:
@@ -102,7 +101,7 @@ class Text:
 
 
 def correct_text(
-    source: Path,
+    source: TextFile,
     out: Path,
     job: Job,
     key: str | None,
@@ -115,7 +114,8 @@ def correct_text(
 
     Parameters
     ----------
-    source, out : Path
+    source : TextFile
+    out : Path
     job : Job
     key : str or None
         Key of all rows; None: each row has its own.
@@ -138,9 +138,8 @@ def correct_text(
     tally = Tally(columns=list(text.head.names))
     separator = text.head.separator
     with writing_text(out, zipped) as file:
-        above, header, end, units = prelude(source, job.reading.layout, text.head)
-        if job.reading.layout.encoding == "utf-8-sig" and begins_with_mark(source):
-            file.write(codecs.BOM_UTF8)
+        above, header, end, units = _around_the_names(source)
+        file.write(source.mark)
         if job.spreadsheet_safe:
             header = text.parser.line_without_formulas(header)
         names = above + header_with_results(header, separator) + end
@@ -208,13 +207,21 @@ def _surroundings(text: Text, log: Sequence[Path]) -> dict[str, Any]:
     files = list(log) or [text.path]
 
     def read(path: Path) -> pd.DataFrame:
-        tables = list(Text(path, text.job, text.corrector.key).tables())
+        file = text.file if path == text.path else TextFile(path, text.job.reading.layout)
+        tables = list(Text(file, text.job, text.corrector.key).tables())
         return (
             pd.concat(tables, ignore_index=True) if tables else pd.DataFrame(columns=text.corrector.columns)
         )
 
     found = surroundings(files, files.index(text.path), text.corrector, read, text.job.memory)
     return {"context": found.context, "before": found.before, "after": found.after}
+
+
+def _around_the_names(file: TextFile) -> tuple[str, str, str, list[str]]:
+    """The lines above the header, the header, what ends it, and the lines between it and the rows."""
+    *above, ended = file.prelude[: file.head.above]
+    header = ended.rstrip("\r\n")
+    return "".join(above), header, ended[len(header) :] or "\n", file.prelude[file.head.above :]
 
 
 def _kinds(names: Sequence[str], job: Job) -> dict[str, str]:

@@ -20,10 +20,9 @@ from echocal.correct.text.blocks import Block
 from echocal.observations.arrow import arrow, has_arrow, to_pandas
 from echocal.observations.found import NOT_READ
 from echocal.observations.heading import SEPARATORS
-from echocal.observations.layout import NO_SIGN
+from echocal.observations.layout import NO_SIGN, Head
 from echocal.observations.numbers import EMPTY, NO_NUMBER, NUMBER, number_of
 from echocal.observations.records import Records
-from echocal.observations.text import Head, Layout
 from echocal.outputs import spreadsheet_safe
 
 __all__ = ["Lines", "Parser"]
@@ -68,7 +67,6 @@ class Parser:
     ----------
     path : Path
     head : Head
-    layout : Layout
     kinds : mapping of str to str
         ``"number"``, ``"time"`` or ``"text"`` by column.
     absent : frozenset of str, or None
@@ -79,11 +77,10 @@ class Parser:
         self,
         path: Path,
         head: Head,
-        layout: Layout,
         kinds: Mapping[str, str],
         absent: frozenset[str] | None,
     ) -> None:
-        self._path, self._head, self._layout, self._kinds = path, head, layout, kinds
+        self._head, self._kinds = head, kinds
         self._absent = absent
         self._by_record = Records(str(path), head)
         self._empty = EMPTY | (absent or frozenset())

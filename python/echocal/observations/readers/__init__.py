@@ -4,13 +4,10 @@ A format is a module with ``NAME``, ``recognizes(lines)`` of the first lines, an
 Delimited text, TOA5 and LabVIEW among it, is read by `echocal.observations.text`.
 """
 
-from itertools import islice
-from pathlib import Path
-
 import pandas as pd
 
+from echocal.observations.file import TextFile
 from echocal.observations.found import Found, found_in, keep
-from echocal.observations.layout import Layout, settled
 from echocal.observations.readers import (
     bursts,
     cell_units,
@@ -48,10 +45,9 @@ _FORMATS = (
     white_space,
 )
 _STEPS = (ros.step, cell_units.step, long_tables.step, bursts.step, times.step, unit_names.step, repeats.step)
-_FIRST = 200
 
 
-def read(path: Path, layout: Layout, sheet: str | None = None) -> pd.DataFrame | None:
+def read(file: TextFile, sheet: str | None = None) -> pd.DataFrame | None:
     """Read a log that is no delimited text; None for one that is.
 
     Raises
@@ -59,15 +55,13 @@ def read(path: Path, layout: Layout, sheet: str | None = None) -> pd.DataFrame |
     DataError
         If it cannot be read.
     """
-    if spreadsheet.is_one(path):
-        return spreadsheet.read(path, sheet, layout.skip_lines)
-    form = _form(path, layout)
+    if file.is_spreadsheet:
+        return spreadsheet.read(file.path, sheet, file.layout.skip_lines)
+    form = _form(file)
     if form is None:
         return None
-    from echocal.observations.text import below
-
-    with below(path, settled(path, layout), layout.skip_lines) as file:
-        log = form.read([plain(line.rstrip("\r\n")) for line in file], str(path))
+    with file.opened() as data, file.below(data, file.layout.skip_lines) as text:
+        log = form.read([plain(line.rstrip("\r\n")) for line in text], str(file.path))
     table = log.table()
     found = Found(
         form.NAME,
@@ -82,11 +76,11 @@ def read(path: Path, layout: Layout, sheet: str | None = None) -> pd.DataFrame |
     return keep(table, found)
 
 
-def format_of(path: Path, layout: Layout) -> str:
+def format_of(file: TextFile) -> str:
     """What a person calls the format of a log that `echocal correct` cannot keep line by line; else empty."""
-    if spreadsheet.is_one(path):
+    if file.is_spreadsheet:
         return spreadsheet.NAME
-    form = _form(path, layout)
+    form = _form(file)
     return "" if form is None else str(form.NAME)
 
 
@@ -101,10 +95,6 @@ def tidy(table: pd.DataFrame) -> pd.DataFrame:
     return table
 
 
-def _form(path: Path, layout: Layout):  # type: ignore[no-untyped-def]
-    from echocal.observations.text import below  # which knows this room
-
-    with below(path, settled(path, layout), layout.skip_lines) as file:
-        lines = [plain(line.rstrip("\r\n")) for line in islice(file, _FIRST)]
-    lines = [line for line in lines if line.strip()]
+def _form(file: TextFile):  # type: ignore[no-untyped-def]
+    lines = [own for line in file.first if (own := plain(line.rstrip("\r\n"))).strip()]
     return next((form for form in _FORMATS if lines and form.recognizes(lines)), None)

@@ -12,17 +12,9 @@ from echocal.observations.heading import is_value
 from echocal.observations.readers.log import numeric
 from echocal.observations.units_said import is_unit_row
 
-__all__ = ["NAME", "is_one", "read"]
+__all__ = ["NAME", "read"]
 
 NAME = "a spreadsheet"
-
-_STARTS = (b"PK\x03\x04", b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1")
-
-
-def is_one(path: Path) -> bool:
-    """Whether a file begins as a spreadsheet does."""
-    with path.open("rb") as file:
-        return file.read(8).startswith(_STARTS)
 
 
 def read(path: Path, sheet: str | None, skip_rows: int = 0) -> pd.DataFrame:

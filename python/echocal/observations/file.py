@@ -1,0 +1,201 @@
+"""One file: what it begins with is seen once, and handed on to all that read it."""
+
+import codecs
+import gzip
+import io
+import zlib
+from collections.abc import Iterator
+from contextlib import contextmanager
+from functools import cached_property
+from itertools import islice
+from pathlib import Path
+from typing import IO, TextIO
+
+from echocal.errors import DataError
+from echocal.observations.heading import FIRST, head_in
+from echocal.observations.layout import CUT_SIGN, Head, Layout, said_no_text, seen_in
+
+__all__ = ["LONGEST", "TextFile", "is_parquet", "line_too_long"]
+
+LONGEST = 1 << 22
+"""Bytes of a line at most: no table of measurements has longer ones, and a damaged file may; judgement."""
+
+_SAMPLE = 1 << 20  # bytes that show the encoding
+_ZIPPED = b"\x1f\x8b"
+_PARQUET = b"PAR1"
+_SPREADSHEETS = (b"PK\x03\x04", b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1")
+_NO_TABLE = {
+    b"ARRO": "an Arrow (Feather) file; save it as Parquet, or read it with pyarrow and pass the table",
+    b"\x89HDF": "an HDF5 or NetCDF file; read it with xarray or pandas and pass the table",
+    b"CDF": "a NetCDF file; read it with xarray and pass the dataset",
+    b'"TOB': "binary data of a Campbell logger; convert it to TOA5 with CardConvert (LoggerNet, PC400)",
+    b"SQLi": "an SQLite database; save the table as CSV",
+}
+"""What files begin with that are no table of text."""
+
+
+class TextFile:
+    """A file of a table: text, gzipped or not, unless its first bytes say otherwise.
+
+    Parameters
+    ----------
+    path : Path
+    layout : Layout
+        How its text is written.
+
+    Attributes
+    ----------
+    path : Path
+    layout : Layout
+        The same, with the encoding that was seen.
+    is_parquet, is_spreadsheet, is_zipped : bool
+    above : list of str
+        Lines that the layout skips.
+    first : list of str
+        The lines below, as far as a format or a header is looked for.
+
+    Raises
+    ------
+    DataError
+        If it cannot be opened, is of a kind that is not read, or does not begin as text does.
+    """
+
+    def __init__(self, path: Path, layout: Layout) -> None:
+        self.path, self.layout = path, layout
+        self.above: list[str] = []
+        self.first: list[str] = []
+        with _opened(path) as file:
+            begins = self._begins = file.read(8)
+            self.is_zipped = begins.startswith(_ZIPPED)
+            for start, told in _NO_TABLE.items():
+                if begins.startswith(start):
+                    message = f"{path} is {told}"
+                    raise DataError(message)
+            self.is_parquet, self.is_spreadsheet = begins[:4] == _PARQUET, begins.startswith(_SPREADSHEETS)
+            if not (self.is_parquet or self.is_spreadsheet):
+                with self._unpacked(file) as data:
+                    self._look(data)
+
+    def _look(self, data: IO[bytes]) -> None:
+        sample = data.read(_SAMPLE)
+        self._begins, self.layout = sample[:3], seen_in(sample, self.layout)
+        with self.below(data, 0) as text:
+            lines = self._lines(text)
+            self.above = list(islice(lines, self.layout.skip_lines))
+            self.first = list(islice(lines, FIRST))
+
+    def _lines(self, text: TextIO) -> Iterator[str]:
+        """Lines that are lines: looking for a format in longer ones would take minutes."""
+        is_json = False
+        for number, line in enumerate(iter(lambda: text.readline(LONGEST + 1), ""), 1):
+            is_json = is_json or (number == 1 and line.lstrip(" ")[:1] in ("[", "{"))
+            is_long = len(line) > LONGEST
+            if is_long and not is_json:
+                raise line_too_long(self.path, number)
+            yield line + text.readline() if is_long else line  # JSON may be one line
+
+    @cached_property
+    def head(self) -> Head:
+        """The header of delimited text; the separator is the one that it has most of.
+
+        Raises
+        ------
+        DataError
+            If the file is not delimited text.
+        """
+        return head_in(list(self.first), self.layout, str(self.path))
+
+    @property
+    def mark(self) -> bytes:
+        """The mark of UTF-8 that it begins with and that is no part of its text; empty without one."""
+        is_apart = codecs.lookup(self.layout.encoding).name == "utf-8-sig"
+        return self._begins if is_apart and self._begins == codecs.BOM_UTF8 else b""
+
+    @cached_property
+    def prelude(self) -> list[str]:
+        """The lines above the rows of delimited text, with their ends."""
+        return [*self.above, *self.first][: self.head.start]
+
+    @contextmanager
+    def opened(self) -> Iterator[IO[bytes]]:
+        """Open it for its bytes, unpacked.
+
+        Raises
+        ------
+        DataError
+            If they cannot be unpacked, or are decoded meanwhile and are no text.
+        """
+        with _opened(self.path) as file, self._unpacked(file) as data:
+            yield data
+
+    @contextmanager
+    def _unpacked(self, file: IO[bytes]) -> Iterator[IO[bytes]]:
+        file.seek(0)
+        try:
+            yield gzip.GzipFile(fileobj=file) if self.is_zipped else file  # type: ignore[misc]
+        except UnicodeError:
+            raise self.no_text() from None
+        except (OSError, EOFError, zlib.error) as error:
+            message = f"{self.path} cannot be unpacked: {error}"
+            raise DataError(message) from None
+
+    @contextmanager
+    def below(self, data: IO[bytes], lines: int) -> Iterator[TextIO]:
+        """The text of its bytes below so many lines."""
+        data.seek(0)
+        text = io.TextIOWrapper(data, self.layout.encoding, CUT_SIGN, newline="")
+        try:
+            for _ in islice(text, lines):
+                pass
+            yield text
+        finally:
+            text.detach()  # or the bytes would be closed with it
+
+    def no_text(self) -> DataError:
+        """An error that says that it is not text in its encoding."""
+        return DataError(said_no_text(str(self.path), self.layout.encoding, self._begins))
+
+
+def is_parquet(path: Path) -> bool:
+    """Whether a file begins as Parquet does.
+
+    Raises
+    ------
+    DataError
+        If it cannot be opened.
+    """
+    with _opened(path) as file:
+        return file.read(4) == _PARQUET
+
+
+def line_too_long(path: Path | str, number: int) -> DataError:
+    """An error for a line that is none."""
+    message = (
+        f"{path}: line {number} has more than {LONGEST:,} bytes, which no line of a table of measurements "
+        "has: the file is damaged, or another kind of file"
+    )
+    return DataError(message)
+
+
+def _opened(path: Path) -> IO[bytes]:
+    """A file that is not empty."""
+    try:
+        file = path.open("rb")
+        is_empty = not file.peek(1)
+    except IsADirectoryError:
+        message = f"{path} is a folder; name one file of it"
+        raise DataError(message) from None
+    except FileNotFoundError:
+        message = f"no file {path}"
+        raise DataError(message) from None
+    except OSError as error:
+        message = f"{path} cannot be read: {error.strerror}"
+        raise DataError(message) from None
+    except ValueError as error:  # a NUL byte, a lone surrogate
+        message = f"{str(path)!r} cannot be the name of a file: {error}"
+        raise DataError(message) from None
+    if is_empty:
+        file.close()
+        message = f"{path} is empty"
+        raise DataError(message)
+    return file
