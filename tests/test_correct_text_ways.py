@@ -1,4 +1,4 @@
-"""A text is corrected by the core, by Arrow or field by field: the output has the same bytes each time."""
+"""A text is corrected by the core, with or without Arrow, or field by field: the same bytes each time."""
 
 import tempfile
 from collections.abc import Callable, Iterator, Sequence
@@ -85,8 +85,8 @@ def tables(draw: st.DrawFn) -> tuple[str, Layout]:
 def way(name: str, size: int) -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(text_file, "_BLOCK", (size, size))
-        if name != "core":
-            patch.setattr(parse.Parser, "_numbers", lambda *_: {})
+        if name == "without Arrow":
+            patch.setattr(parse, "has_arrow", lambda: False)
         if name == "field by field":
             patch.setattr(parse.Parser, "_plain", lambda *_: None)
         yield
@@ -111,7 +111,7 @@ def test_the_same_bytes_by_each_way(table: tuple[str, Layout], size: int, missin
         source = Path(folder) / "in.csv"
         source.write_bytes(text.encode())
         found = {}
-        for name, threads in (("core", 1), ("core", 2), ("arrow", 1), ("field by field", 1)):
+        for name, threads in (("core", 1), ("core", 2), ("without Arrow", 1), ("field by field", 1)):
             with way(name, size):
                 found[name, threads] = told(source, model, threads, **options)
     first, *others = found.values()
@@ -120,13 +120,13 @@ def test_the_same_bytes_by_each_way(table: tuple[str, Layout], size: int, missin
 
 @pytest.mark.parametrize("field", ["\ufeff20", "-INF", "inf", "+Infinity", "-nan", "\ufeff"])
 def test_odd_numbers_at_the_start_of_a_block(field: str, tmp_path: Path) -> None:
-    """Arrow leaves out the mark of UTF-8 there; it takes infinities for numbers."""
+    """A mark of UTF-8 there is a part of the field; infinities are no numbers."""
     rows = [f"{field},11660,50,a"] + ["20,11660,50,a"] * 3
     for lines in (rows, rows[::-1]):
         source = tmp_path / "in.csv"
         source.write_text("\n".join(["temperature_C,echo_us,humidity_percent,remark", *lines, ""]), "utf-8")
         found = []
-        for name in ("core", "arrow", "field by field"):
+        for name in ("core", "without Arrow", "field by field"):
             with way(name, 64):
                 found.append(told(source, echocal.Model("cramer"), 1))
         assert found[1:] == found[:1] * 2
@@ -134,7 +134,6 @@ def test_odd_numbers_at_the_start_of_a_block(field: str, tmp_path: Path) -> None
 
 def test_the_core_is_asked(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """What would be left to the other ways, unseen, would only be slow."""
-    monkeypatch.setattr(parse.Parser, "_by_arrow", None)
     monkeypatch.setattr(parse.Parser, "_records", None)
     for decimal, end, last in ((".", "\n", ""), (",", "\r\n", "\r\n")):
         row = ("11660.5;20;remark ä;55", "12000;;; 50.5", "13000.25;NA;;1e1", "-1;-3.125;b;60")
@@ -196,24 +195,26 @@ def test_lines_and_results_fit_each_other() -> None:
     assert lines.numbers([0, 2], 2, 44, 46, [b""]) is None
 
 
-def test_keys_and_times_beside_numbers(tmp_path: Path, random: np.random.Generator) -> None:
-    """Ids are text and times are times; both are read by Arrow, and the numbers beside them by the core."""
+@pytest.mark.parametrize("mark", ["", '"'])
+def test_keys_and_times_beside_numbers(mark: str, tmp_path: Path, random: np.random.Generator) -> None:
+    """Ids are text and times are times, quoted or not, beside numbers."""
     folder, source = tmp_path / "models", tmp_path / "in.csv"
     folder.mkdir()
     for key, delay in {"007": 1e-5, "7": 2e-5, "pier 3": 3e-5}.items():
         echocal.Model("cramer", {"fixed_delay": {"delay": delay}}).save(folder / f"{key}.json")
     lines = ["sensor_id,time,echo_us,temperature_C"]
     for row in range(300):
-        key = random.choice(["007", "7", "pier 3", "", "8"])
-        lines.append(f"{key},2026-01-02T03:{row // 60:02}:{row % 60:02},{random.uniform(600, 9000):.1f},21.5")
+        key = random.choice(["007", "7", "pier 3", "", "8", "NA"])
+        own = [key, f"2026-01-02T03:{row // 60:02}:{row % 60:02}", f"{random.uniform(600, 9000):.1f}", "21.5"]
+        lines.append(",".join(mark + field + mark for field in own))
     drift = echocal.Model("cramer", {"drift": {"rate": 1e-6}})
     found: dict[str, list[bytes]] = {}
-    for name in ("core", "arrow", "field by field"):
+    for name in ("core", "without Arrow", "field by field"):
         with way(name, 1 << 18):
             source.write_text("\n".join(lines))
             correct_files(source, tmp_path / f"{name}.csv", models=folder, by="sensor_id")
             source.write_text("\n".join(line.split(",", 1)[1] for line in lines))
             correct_files(source, tmp_path / f"{name}-drift.csv", drift)
         found[name] = [(tmp_path / f"{name}{end}.csv").read_bytes() for end in ("", "-drift")]
-    assert found["core"] == found["arrow"] == found["field by field"]
+    assert found["core"] == found["without Arrow"] == found["field by field"]
     assert found["core"][0].count(b"no model for this key") > 30

@@ -282,6 +282,9 @@ class Lines:
     def numbers(
         self, places: list[int], width: int, separator: int, decimal: int, absent: list[bytes]
     ) -> list[_Column] | None: ...
+    def texts(
+        self, places: list[int], width: int, separator: int
+    ) -> list[tuple[bytes, NDArray[np.int32]]] | None: ...
     def with_results(
         self,
         distance: NDArray[np.float64],

@@ -1,6 +1,7 @@
 //! Tables as text: the lines of some megabytes, the numbers in them, and results behind them.
 
 use echocal_text::columns::{Dialect, numbers};
+use echocal_text::fields::{Texts, texts};
 use echocal_text::lines::{ending, ends};
 use echocal_text::results::{Results, appended};
 use numpy::PyArray1;
@@ -8,6 +9,9 @@ use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
 use crate::border::{Column, same_length, within};
+
+/// Bytes of the fields of a column, and where each begins.
+type Fields<'py> = (Bound<'py, PyBytes>, Bound<'py, PyArray1<i32>>);
 
 /// Whole lines that all end alike, none of them blank.
 #[pyclass(name = "Lines", module = "echocal._core", frozen)]
@@ -52,11 +56,37 @@ impl CoreLines {
             width,
             absent: &absent,
         };
-        let found = py.detach(|| numbers(data, &self.ends, self.ending, &places, dialect))?;
+        let found = py.detach(|| {
+            if !data.contains(&b'"') {
+                return numbers(data, &self.ends, self.ending, &places, dialect);
+            }
+            let columns = texts(data, &self.ends, self.ending, &places, separator, width)?;
+            let number = |column: &Texts| column.numbers(decimal, &absent);
+            columns.iter().map(number).collect()
+        })?;
         let arrays = found
             .into_iter()
             .map(|column| PyArray1::from_vec(py, column));
         Some(arrays.collect())
+    }
+
+    /// Fields of the columns at some ascending places: their bytes, where each begins, and where the last one
+    /// ends; None where they are not plain.
+    fn texts<'py>(
+        &self,
+        py: Python<'py>,
+        places: Vec<usize>,
+        width: usize,
+        separator: u8,
+    ) -> Option<Vec<Fields<'py>>> {
+        let data = self.data.as_bytes(py);
+        let found =
+            py.detach(|| texts(data, &self.ends, self.ending, &places, separator, width))?;
+        let plain = |own: Texts| {
+            let bounds = PyArray1::from_vec(py, own.bounds);
+            (PyBytes::new(py, &own.data), bounds)
+        };
+        Some(found.into_iter().map(plain).collect())
     }
 
     /// The lines with the results of each, as bytes; the last one ends like the others, or has no end.

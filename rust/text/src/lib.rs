@@ -6,6 +6,7 @@
 //! - [`digits`]: one number as the fewest digits that are the number again;
 //! - [`lines`]: where the lines end;
 //! - [`columns`]: the numbers of some columns;
+//! - [`fields`]: the fields of some columns as texts, quoted ones too;
 //! - [`results`]: the lines again, with results behind each of them.
 //!
 //! What is not plain is declined, never guessed: who asks has another way for it. Nothing here reads a file
@@ -16,6 +17,7 @@
 mod bytes;
 pub mod columns;
 pub mod digits;
+pub mod fields;
 pub mod lines;
 pub mod number;
 pub mod results;

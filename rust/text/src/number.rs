@@ -68,7 +68,7 @@ pub(crate) fn of_word(word: u64, length: usize, decimal: Needle) -> Option<f64> 
     } else {
         (other, length, 0)
     };
-    let none = (digits + 0x76 * ONES) | digits; // beyond 9: the highest bit of a byte
+    let none = digits.wrapping_add(0x76 * ONES) | digits; // beyond 9: the highest bit of a byte
     if count == 0 || none & (0x80 * ONES) != 0 {
         return None;
     }

@@ -3,12 +3,13 @@
 Both ways give the same numbers to the last bit: each is the double next to its decimal digits.
 """
 
-import codecs
 import io
 import re
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -27,7 +28,6 @@ from echocal.outputs import spreadsheet_safe
 
 __all__ = ["Lines", "Parser"]
 
-_CHUNK = 1 << 18  # bytes that Arrow parses at a time: they stay in the cache of a processor
 _NO_SIGN = NO_SIGN.encode()
 
 
@@ -86,7 +86,7 @@ class Parser:
         self._empty = EMPTY | (absent or frozenset())
         self._is_plain = _is_plain(head, absent)
         self._repeated = [line.encode() for line in head.repeated]
-        self._place = {name: str(place) for place, name in enumerate(head.names)}
+        self._place = {name: place for place, name in enumerate(head.names)}
 
     def lines(self, block: Block) -> Lines:
         """The lines of a block, without a look into them."""
@@ -99,7 +99,7 @@ class Parser:
         Where rows are not read, the column `NOT_READ` has the reasons.
         """
         if lines.texts is not None:
-            found = self._fast(block.data, lines.texts, columns)
+            found = self._fast(lines.texts, columns)
             if found is not None:
                 return lines, found
             lines = self._records(block)
@@ -150,46 +150,17 @@ class Parser:
         A corrupt row has none.
         """
         pa = arrow("Parquet")
-        if lines.texts is not None:
-            found = self._fast_fields(block.data, len(lines.texts))
-            if found is not None:
-                return found
-            lines = self._records(block)
-        width = len(self._head.names)
-        columns: list[list[str | None]] = [[] for _ in range(width)]
+        names = list(self._head.names)
+        found = self._texts(lines.texts, names)
+        if found is not None:
+            return pa.table([_strings(*own) for own in found], names=names)
+        lines = lines if lines.records is not None else self._records(block)
+        width = len(names)
+        columns: list[list[str | None]] = [[] for _ in names]
         for row in self._rows(lines):
             for column, text in zip(columns, [*row, *[None] * (width - len(row))], strict=True):
                 column.append(text)
-        arrays = [pa.array(column, pa.string()) for column in columns]
-        return pa.table(arrays, names=list(self._head.names))
-
-    def _fast_fields(self, data: bytes, rows: int) -> Any | None:
-        pa = arrow("Parquet")
-        from pyarrow import csv as reader
-
-        names, separator = list(self._place.values()), self._head.separator.encode()
-        indented = data.startswith(b" ") or b"\n " in data or separator + b" " in data
-        if (indented and b'"' in data) or _loses_a_mark(data):
-            return None
-        try:
-            table = reader.read_csv(
-                pa.BufferReader(data),
-                read_options=reader.ReadOptions(use_threads=False, block_size=_CHUNK, column_names=names),
-                parse_options=self._parsing(reader, data),
-                convert_options=reader.ConvertOptions(
-                    column_types=dict.fromkeys(names, pa.string()), strings_can_be_null=False
-                ),
-            )
-        except pa.ArrowException:
-            return None
-        if len(table) != rows:
-            return None
-        columns = [pa.compute.utf8_ltrim(own, " ") if indented else own for own in table.columns]
-        return pa.table(columns, names=list(self._head.names))
-
-    def _parsing(self, reader: Any, data: bytes) -> Any:
-        quote = '"' if b'"' in data else False
-        return reader.ParseOptions(delimiter=self._head.separator, quote_char=quote)
+        return pa.table([pa.array(column, pa.string()) for column in columns], names=names)
 
     def _plain(self, data: bytes) -> Lines | None:
         """The lines, if each is a row, all end alike, and marks enclose whole fields."""
@@ -202,86 +173,51 @@ class Parser:
         ended = data.endswith(b"\n")
         if not ended:
             data += end
-        if b'"' in data and (data.count(b'"') % 2 or not self._encloses(data)):
-            return None  # an odd one: the file is cut within a field
         texts = _core.Lines.of(data, len(end) == 2)
-        return None if texts is None else Lines(texts, end.decode(), end.decode() if ended else "")
-
-    def _encloses(self, data: bytes) -> bool:
-        array = np.frombuffer(data, np.uint8)
-        marks = np.flatnonzero(array == 34)
-        outer = np.zeros(256, bool)
-        outer[[ord(self._head.separator), 10, 13, 34]] = True
-        before = outer[array[marks - 1]] | (marks == 0)
-        after = outer[array[np.minimum(marks + 1, len(array) - 1)]] | (marks == len(array) - 1)
-        return bool((before | after).all())
-
-    def _fast(self, data: bytes, texts: _core.Lines, columns: Sequence[str]) -> pd.DataFrame | None:
-        """By the core and by Arrow; None where neither takes the text for what it is."""
-        if self._absent is None:
+        if texts is None or (b'"' in data and self._texts(texts, []) is None):
             return None
-        if not columns:
-            return pd.DataFrame(index=range(len(texts)))
-        numbers = self._numbers(data, texts, columns)
+        return Lines(texts, end.decode(), end.decode() if ended else "")
+
+    def _fast(self, lines: _core.Lines, columns: Sequence[str]) -> pd.DataFrame | None:
+        """By the core; None where it does not take the text for what it is."""
+        if self._absent is None or not self._is_plain:
+            return None
+        numbers = [name for name in columns if self._kinds.get(name, "number") == "number"]
         others = [name for name in columns if name not in numbers]
-        if not others:
-            return pd.DataFrame(numbers, copy=False)
-        table = self._by_arrow(data, len(texts), others) if has_arrow() else None
-        if table is None:
+        read = self._numbers(lines, numbers) if numbers or not others else []
+        texts = self._texts(lines, others) if others else []
+        if read is None or texts is None:
             return None
-        return pd.DataFrame({name: numbers[name] if name in numbers else table[name] for name in columns})
+        found = dict(zip(numbers, read, strict=True))
+        found |= {name: self._of(own, name) for name, own in zip(others, texts, strict=True)}
+        return pd.DataFrame({name: found[name] for name in columns}, index=range(len(lines)), copy=False)
 
-    def _numbers(self, data: bytes, texts: _core.Lines, columns: Sequence[str]) -> dict[str, Any]:
-        """Columns of numbers by the core; none of them where a field is no number and is not empty."""
-        names = [name for name in columns if self._kinds.get(name, "number") == "number"]
-        if not names or not self._is_plain or b'"' in data:
-            return {}
-        head = self._head
-        found = texts.numbers(
-            [int(self._place[name]) for name in names],
-            len(head.names),
-            ord(head.separator),
-            ord(head.decimal),
-            [text.encode() for text in self._empty],
-        )
-        return {} if found is None else dict(zip(names, found, strict=True))
+    def _numbers(self, lines: _core.Lines, names: Sequence[str]) -> list[Any] | None:
+        """Columns of numbers; none of them where a field is no number and is not empty."""
+        head, empty = self._head, [text.encode() for text in self._empty]
+        places = [self._place[name] for name in names]
+        return lines.numbers(places, len(head.names), ord(head.separator), ord(head.decimal), empty)
 
-    def _by_arrow(self, data: bytes, rows: int, columns: Sequence[str]) -> pd.DataFrame | None:
-        """By Arrow; None where it does not take the text for what it is."""
-        if _loses_a_mark(data):
+    def _texts(self, lines: _core.Lines | None, names: Sequence[str]) -> list[tuple[bytes, Any]] | None:
+        """Bytes of the fields of columns, and where each begins."""
+        separator = self._head.separator
+        if lines is None or not separator.isascii():
             return None
+        return lines.texts([self._place[name] for name in names], len(self._head.names), ord(separator))
+
+    def _of(self, own: tuple[bytes, Any], name: str) -> Any:
+        """A column of times or of texts; of texts, too, where a time is none for Arrow."""
+        if not has_arrow():
+            data, bounds = own
+            texts = [data[begin:end].decode() for begin, end in pairwise(bounds.tolist())]
+            return self._column(texts, name)
         pa = arrow("reading text")
-        from pyarrow import csv as reader
-
-        kinds = {
-            "number": pa.float64(),
-            "time": pa.timestamp("ns"),
-            "text": pa.string(),
-        }
-        places = [self._place[name] for name in columns]
-        try:
-            table = reader.read_csv(
-                pa.BufferReader(data),
-                read_options=reader.ReadOptions(
-                    use_threads=False, block_size=_CHUNK, column_names=list(self._place.values())
-                ),
-                parse_options=self._parsing(reader, data),
-                convert_options=reader.ConvertOptions(
-                    include_columns=places,
-                    column_types={
-                        self._place[name]: kinds[self._kinds.get(name, "number")] for name in columns
-                    },
-                    null_values=sorted(self._empty),
-                    strings_can_be_null=True,
-                    decimal_point=self._head.decimal,
-                ),
-            )
-        except (pa.ArrowException, KeyError):
-            return None
-        numbers = [own for own in table.columns if own.type == pa.float64()]
-        if len(table) != rows or any(pa.compute.any(pa.compute.is_inf(own)).as_py() for own in numbers):
-            return None  # some texts of infinity mean that there is no number
-        return to_pandas(table.rename_columns(list(columns)))
+        column = _strings(*own)
+        column = pa.compute.if_else(pa.compute.is_in(column, pa.array(sorted(self._empty))), None, column)
+        if self._kinds[name] == "time":
+            with suppress(pa.ArrowInvalid):
+                column = column.cast(pa.timestamp("ns"))
+        return to_pandas(pa.table({name: column}))[name]
 
     def _records(self, block: Block) -> Lines:
         text = io.StringIO(block.data.decode(), newline="")
@@ -291,7 +227,7 @@ class Parser:
         return Lines(records=[(own.text, own.end) for own in found], rows=rows, corrupt=corrupt)
 
     def _careful(self, lines: Lines, columns: Sequence[str]) -> pd.DataFrame:
-        places = [int(self._place[name]) for name in columns]
+        places = [self._place[name] for name in columns]
         fields: list[list[str]] = [[] for _ in columns]
         for row in self._rows(lines):
             for column, place in zip(fields, places, strict=True):
@@ -310,7 +246,7 @@ class Parser:
     def _column(self, texts: list[str], name: str) -> Any:
         """Numbers where all are such, as Arrow reads them; else texts, for others to refuse or to read."""
         if self._kinds.get(name, "number") != "number":
-            return pd.Series([text or None for text in texts], dtype=object)
+            return pd.Series([None if text in self._empty else text for text in texts], dtype=object)
         absent = NO_NUMBER | (self._absent or frozenset())
         numbers = [number_of(text, absent, self._head.decimal) for text in texts]
         if None in numbers:
@@ -318,9 +254,10 @@ class Parser:
         return pd.Series(numbers, dtype=np.float64)
 
 
-def _loses_a_mark(data: bytes) -> bool:
-    """Whether Arrow leaves out the mark of UTF-8, which in a block of rows is a part of the first field."""
-    return data.startswith(codecs.BOM_UTF8)
+def _strings(data: bytes, bounds: Any) -> Any:
+    """A column of Arrow over the bytes of its fields."""
+    pa = arrow("reading text")
+    return pa.StringArray.from_buffers(len(bounds) - 1, pa.py_buffer(bounds), pa.py_buffer(data))
 
 
 def _is_plain(head: Head, absent: frozenset[str] | None) -> bool:
