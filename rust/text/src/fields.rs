@@ -45,7 +45,7 @@ impl Texts {
 /// # Examples
 /// ```
 /// # use echocal_text::fields::texts;
-/// let found = texts(b"5,\"a, \"\"b\"\"\"\n6, c\n", &[14, 19], 1, &[1], b',', 2).unwrap();
+/// let found = texts(b"5,\"a, \"\"b\"\"\"\n6, c\n", &[13, 18], 1, &[1], b',', 2).unwrap();
 /// assert_eq!(found[0].data, b"a, \"b\"c");
 /// assert_eq!(found[0].bounds, [0, 6, 7]);
 /// ```
