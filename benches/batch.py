@@ -110,7 +110,6 @@ IMPORTS = {
         "echocal.correct.parquet.file",
         "echocal.correct.text.file",
         "echocal.model.plain",
-        "pyarrow.csv",
     ],
     "polars, read and write": ["polars"],
     "polars, expression": ["polars", "peers"],
