@@ -75,10 +75,12 @@ def command(
             help="Mark rows that are as those which the diagnosis of the model left out.",
         ),
     ] = True,
-    uncertainty: Annotated[
+    uncertainties: Annotated[
         list[str] | None,
         typer.Option(
-            metavar="NAME=U", help="Standard uncertainty of a value: temperature_C=0.5, echo_us=10, ..."
+            "--uncertainty",
+            metavar="NAME=U",
+            help="Standard uncertainty of a value: temperature_C=0.5, echo_us=10, ...",
         ),
     ] = None,
     append_only: Annotated[
@@ -126,7 +128,7 @@ def command(
             correction,
             models=models,
             by=by,
-            uncertainties=uncertainty or (),
+            uncertainties=uncertainties or (),
             logs=logs,
             append_only=None if append_only is None else [n.strip() for n in append_only.split(",") if n],
             round_mm=round_mm,

@@ -13,6 +13,7 @@ from echocal.correct.rows import Rows, correct_rows, no_distance, whole_log
 from echocal.correct.tables import refuse_corrected
 from echocal.domain import counting
 from echocal.errors import DataError, among
+from echocal.keywords import keyword
 from echocal.model import Model
 from echocal.model.folder import label
 from echocal.model.indicated_speed import speed_of
@@ -194,7 +195,7 @@ class Corrector:
             message = (
                 f"the model of this sensor has {', '.join(self.remembers)}, which depends on the other rows "
                 f"of a log, and a log may have several files: write one folder for each sensor "
-                f"({self.by}=...), or say that each file is a whole log: --logs file"
+                f"({self.by}=...), or say that each file is a whole log: {keyword('logs', 'file')}"
             )
             raise DataError(message)
         if (self.remembers or self.rows_around) and len(labels) > 1:
@@ -274,18 +275,18 @@ class Corrector:
             if (speed := speed_of(model)) != model.law:
                 said.append(
                     f"the readings are taken to be made with the speed '{speed}', as in the diagnosis of the "
-                    "model; if the firmware used another: --reading-speed 343"
+                    f"model; if the firmware used another: {keyword('reading_speed', 343)}"
                 )
             elif not model.effects and model.shape is None:
                 said.append(
                     f"the readings are taken to be made with the law '{model.law}' itself, and the model "
                     "has no effect: the distances are the readings again; if the firmware used a fixed "
-                    "speed, say so: --reading-speed 343"
+                    f"speed, say so: {keyword('reading_speed', 343)}"
                 )
             else:
                 said.append(
                     f"the readings are taken to be made with the speed '{model.law}' of the model; "
-                    "if the firmware used another: --reading-speed 343"
+                    f"if the firmware used another: {keyword('reading_speed', 343)}"
                 )
         return said
 

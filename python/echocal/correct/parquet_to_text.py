@@ -27,6 +27,7 @@ from echocal.correct.stream import corrected
 from echocal.correct.tables import results_of
 from echocal.correct.text.file import writing_text
 from echocal.errors import UsageError
+from echocal.keywords import keyword
 from echocal.observations.arrow import Table, arrow, as_stored
 from echocal.outputs import csv_text, spreadsheet_safe
 
@@ -59,7 +60,7 @@ def parquet_to_text(
         `out` is incomplete then.
     """
     if job.append_only is not None:
-        raise UsageError("--append-only is for Parquet to Parquet")
+        raise UsageError(f"{keyword('append_only')} is for Parquet to Parquet")
     pa = arrow()
     with source.open("rb") as raw:
         footer = f.read_footer(raw, str(source))

@@ -9,6 +9,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from echocal.errors import DataError
+from echocal.keywords import keyword
 from echocal.model import Model
 from echocal.observations import checks, clock, labels, odd_times
 from echocal.observations.advice import no_echo, which_temperature
@@ -222,7 +223,7 @@ class Assembly:
             if not speed.stated:
                 self.notes.append(
                     f"readings are taken to be made with the speed {speed.law}; "
-                    "if the firmware used another: --reading-speed 343"
+                    f"if the firmware used another: {keyword('reading_speed', 343)}"
                 )
             self.reading_speed = speed.law if speed.stated else ""
             return speed.echo_time(reading, self.reason == 0)
@@ -234,7 +235,7 @@ class Assembly:
             self._give(apart, reason)
         return echo_time
 
-    def _thermometer(self) -> str:
+    def _thermometer(self) -> dict[str, str]:
         """How to say which column is the temperature."""
         return which_temperature(self.table, self.plan)
 
@@ -276,7 +277,7 @@ class Assembly:
         for column in [name for name in extra if name in copies]:
             self.notes.append(
                 f"{copies[column]} in every row, within their rounding: a copy, which is left aside; "
-                f'if it is not: --trust "{column}"'
+                f"if it is not: {keyword('trust', [column])}"
             )
         return {name: own for name, own in extra.items() if name not in copies}
 
@@ -304,7 +305,7 @@ class Assembly:
             if alike and not form.label and form.quantity not in self.plan.assignments:
                 self.notes.append(
                     f"column '{alike[0]}' is not used as {form.role}, for it has no unit; "
-                    f'to use it: --column "{alike[0]}=..." with one of {", ".join(form.names)}'
+                    f"to use it: {keyword('columns', {alike[0]: '...'})} with one of {', '.join(form.names)}"
                 )
 
     def _summarize(self) -> None:

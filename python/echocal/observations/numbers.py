@@ -11,6 +11,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from echocal.errors import DataError, UsageError, among
+from echocal.keywords import keyword
 from echocal.observations.fields import fields, row, shown
 from echocal.observations.silence import says_no_echo
 
@@ -172,10 +173,10 @@ def _hint(texts: pd.Series[Any]) -> str:
         plain = grouped[0].replace(grouped[1], "")
         return f"'{grouped[0]}' has separators of thousands: write such numbers without, as {plain}"
     if "," in texts.iloc[0] and _is_number(texts.iloc[0].replace(",", ".", 1)):
-        return "a decimal comma? pass --decimal ,"
+        return f"a decimal comma? pass {keyword('decimal', ',')}"
     if _is_number(texts.iloc[0]):
         return "write plain digits with a decimal point, as 2945.7"
-    return f'if it means "no value": --missing "{shown(texts.iloc[0])}"'
+    return f'if it means "no value": {keyword("missing", [shown(texts.iloc[0])])}'
 
 
 def _is_number(text: str) -> bool:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from echocal.conditions import unmasked
 from echocal.errors import DataError, UsageError
+from echocal.keywords import command_line
 from echocal.observations import readers, text
 from echocal.observations.arrow import arrow, read_parquet, to_pandas
 
@@ -110,7 +111,7 @@ def refuse_unstreamed(path: Path, layout: text.Layout) -> None:
     if kind:
         message = (
             f"{path} is {kind}, which cannot be kept line by line; make a table of it first: "
-            f"echocal inspect {path} --write table.csv"
+            + command_line("inspect", path, write="table.csv")
         )
         raise DataError(message)
 

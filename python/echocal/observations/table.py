@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from echocal.errors import DataError
+from echocal.keywords import keyword
 from echocal.shown import Shown
 
 if TYPE_CHECKING:
@@ -174,7 +175,8 @@ class Observations(Shown):
 def _no_thermometer(quantity: str, column: str, observations: Observations) -> str:
     others = ", ".join(observations.thermometers)
     if column in observations.extra:
-        what = f'has that column, but it is not known to be a thermometer: --column "{column}=thermometer_C"'
+        way = keyword("columns", {column: "thermometer_C"})
+        what = f"has that column, but it is not known to be a thermometer: {way}"
     elif others:
         what = f"has other thermometers ({others}): rename the one that is meant"
     else:
@@ -189,5 +191,5 @@ def _absent(purpose: str, quantity: str) -> str:
     names = [name for form in FORMS if form.quantity == quantity for name in form.names]
     return (
         f"{purpose} needs a column for {quantity.replace('_', ' ')}; accepted: {', '.join(names)}; "
-        f'map another with --column "NAME={names[0]}"'
+        f"map another with {keyword('columns', {'NAME': names[0]})}"
     )

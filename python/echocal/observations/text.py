@@ -17,6 +17,7 @@ import numpy as np
 import pandas as pd
 
 from echocal.errors import DataError, UsageError
+from echocal.keywords import keyword
 from echocal.observations.found import CORRUPT, CUT, Found, keep, pointed, said_of
 from echocal.observations.heading import SEPARATORS, fields_of, find_head
 from echocal.observations.layout import CUT_SIGN, Head, Layout, is_zipped, no_encoding, settled
@@ -66,7 +67,7 @@ def head_in(lines: list[str], layout: Layout, path: str) -> Head:
     ):
         message = (
             f"{path}: line {skip + 1} ('{first[:40]}') is one field and the next line has more; "
-            f"if it is a logger's own line, skip it: --skip-lines {skip + 1}"
+            f"if it is a logger's own line, skip it: {keyword('skip_lines', skip + 1)}"
         )
         raise DataError(message)
     if not head.nameless and head.above > skip:
@@ -260,7 +261,7 @@ def _first_lines(lines: list[str], skip: int, path: str) -> tuple[int, str, list
         wide = {0: "utf-16-be", 1: "utf-16-le"}.get(lines[0].find("\0"), "utf-16")
         message = (
             f"{path} is not text: its first line has NUL bytes; a binary file, or name the encoding: "
-            f"--encoding {wide}"
+            f"{keyword('encoding', wide)}"
         )
         raise DataError(message)
     return skip, before, [line.rstrip("\r\n") for line in lines]
@@ -276,8 +277,10 @@ def said_no_text(name: str, encoding: str, begins: bytes) -> str:
     """The same of a text by its name and what it begins with."""
     encoding = encoding.removesuffix("-sig")
     wide = begins[:2] in {b"\xff\xfe", b"\xfe\xff"}
-    likely = "utf-16" if wide else "latin-1 (or cp1252, utf-16, ...)"
-    return f"{name} is not text in {encoding}: a binary file, or name the encoding: --encoding {likely}"
+    likely = keyword("encoding", "utf-16" if wide else "latin-1") + (
+        "" if wide else " (or cp1252, utf-16, ...)"
+    )
+    return f"{name} is not text in {encoding}: a binary file, or name the encoding: {likely}"
 
 
 @contextmanager

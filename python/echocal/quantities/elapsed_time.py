@@ -15,7 +15,7 @@ FACTS = QuantityFacts(
             CLOCK,
             ("elapsed time",),
             holds=(
-                "when (`time` is ISO 8601); counts from the earliest row; times of day (in `--time-zone`) "
+                "when (`time` is ISO 8601); counts from the earliest row; times of day (in `time_zone`) "
                 "also give the position of the sun"
             ),
         ),

@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 
 from echocal.correct.needed import refuse_repeated
 from echocal.errors import DataError
+from echocal.keywords import keyword
 from echocal.observations.found import CUT
 from echocal.observations.heading import decimal_of, fields_of, is_value, names_of
 from echocal.observations.layout import Head, Layout, seen_in
@@ -274,7 +275,8 @@ class Parser:
             return False
         text = raw.encode("utf-8", _KEPT)
         if not _is_text(raw):
-            how = "; if the file is in another encoding: --encoding latin-1 (or cp1252, utf-16, ...)"
+            other = f"{keyword('encoding', 'latin-1')} (or cp1252, utf-16, ...)"
+            how = f"; if the file is in another encoding: {other}"
             batch.add(None, f"{no_utf8(text) or 'no text'}{how}: {_shown(text)}", text, self._source)
         else:
             batch.add(dict(zip(self._head.names, fields, strict=True)), record.why, text, self._source)

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from echocal.correct.marks import context_of
 from echocal.correct.results import DISTANCE, STATUS, UNCERTAINTY
 from echocal.errors import DataError
+from echocal.keywords import keyword
 from echocal.model import Model
 from echocal.observations.clock import hour_angle, zone_of
 from echocal.observations.marks import MARKS
@@ -324,7 +325,7 @@ class Sensor:
             who = f"sensor {self.id}" if self.id else "the sensor"
             message = (
                 f"the state is of another model of {who} ({kept['model'][:12]}, now {self.model.hash[:12]}): "
-                "give that model, or begin with another --state"
+                f"give that model, or begin with another {keyword('state')}"
             )
             raise DataError(message)
         for name in _PLAIN:

@@ -5,6 +5,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from echocal.keywords import keyword
 from echocal.watch.clock import Clock, Moved, Waiting
 from echocal.watch.events import Event, instant
 from echocal.watch.monitor import DAY, Alarm, Monitor
@@ -50,7 +51,7 @@ def why_refuted(sensor: Watched, rows: Sequence[Waiting], last: float | None) ->
     if last is None:
         return (
             f"its time is {time}, and the rows after it go on from another one; where several devices are in "
-            "one stream: --by COLUMN"
+            f"one stream: {keyword('by', 'COLUMN')}"
         )
     if rows[-1].time == last:
         return f"its time {time} is that of the row before: a clock that stands still, or counts too coarsely"

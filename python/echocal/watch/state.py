@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from echocal.errors import DataError, UsageError
+from echocal.keywords import keyword
 from echocal.watch.rows import Row
 
 __all__ = ["State"]
@@ -51,7 +52,7 @@ class State:
             self.commit()
         except sqlite3.DatabaseError as error:
             busy = "another watch is using it" if "locked" in str(error) else str(error)
-            message = f"--state {path} cannot be used: {busy}"
+            message = f"{keyword('state', str(path))} cannot be used: {busy}"
             raise UsageError(message) from None
 
     def check(self, facts: Mapping[str, Any]) -> None:
@@ -68,8 +69,8 @@ class State:
                 self.set_fact(name, value)
             elif kept != json.loads(json.dumps(value)):
                 message = (
-                    f"--state {self.path} was made with {name} = {kept!r}, this watch has {value!r}: "
-                    "give the same, or begin with another --state"
+                    f"{keyword('state', str(self.path))} was made with {name} = {kept!r}, this watch has {value!r}: "
+                    f"give the same, or begin with another {keyword('state')}"
                 )
                 raise DataError(message)
 

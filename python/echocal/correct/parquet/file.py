@@ -17,6 +17,7 @@ from echocal.correct.parquet.splice import Splice
 from echocal.correct.rows import Rows
 from echocal.correct.stream import corrected
 from echocal.errors import DataError, UsageError, among
+from echocal.keywords import keyword
 from echocal.model.folder import label
 from echocal.observations.arrow import arrow
 from echocal.outputs import opened_output
@@ -213,7 +214,7 @@ def _kept(footer: f.Footer, job: Job, corrector: Corrector) -> list[f.Field]:
     names = [field.name.strip() for field in fields]
     absent = [name for name in job.append_only if name not in names]
     if absent:
-        message = f"--append-only: there is no column '{absent[0]}'{among(absent[0], names)}"
+        message = f"{keyword('append_only')}: there is no column '{absent[0]}'{among(absent[0], names)}"
         raise UsageError(message)
     return [field for field, name in zip(fields, names, strict=True) if name in job.append_only]
 

@@ -7,6 +7,7 @@ from typing import Any
 import pandas as pd
 
 from echocal.errors import DataError, UsageError
+from echocal.keywords import keyword
 from echocal.observations.found import Found, keep
 from echocal.observations.heading import is_value
 from echocal.observations.readers.log import numeric
@@ -57,9 +58,8 @@ def read(path: Path, sheet: str | None, skip_rows: int = 0) -> pd.DataFrame:
         ]
         table = _table(rows)
         if table is not None:
-            notes = (
-                (f"sheet '{name}' of {len(names)} is read; another: --sheet NAME",) if len(names) > 1 else ()
-            )
+            other = f"sheet '{name}' of {len(names)} is read; another: {keyword('sheet', 'NAME')}"
+            notes = (other,) if len(names) > 1 else ()
             frame, units = table
             return keep(frame, Found(NAME, units, () if sheet else notes, streams=False))
     message = f"{path} has no sheet with a row of names and rows of values below"
