@@ -187,8 +187,8 @@ def _no_room(tick: float, largest: float, cut: str | None) -> str:
     if largest < BLANKING_M:
         return (
             f"the largest distance, {largest:g} m, is nearer than {BLANKING_M:g} m, the blanking distance of "
-            f"an HC-SR04: give a larger one ({keyword('max_distance')}) or, of a sensor that measures nearer, "
-            f"the echo min ({keyword('shortest')})"
+            f"an HC-SR04: give a larger one ({keyword('max_distance')}) or, of a sensor that measures "
+            f"nearer, the echo min ({keyword('shortest')})"
         )
     return (
         f"a tick of {tick:g} us is too coarse: the echoes from {BLANKING_M:g} m to {largest:g} m are a "

@@ -144,7 +144,8 @@ def correct_files(
         refuse_no_model(model)
     if (models is None) != (by is None) and models is not None:
         raise UsageError(
-            f"{keyword('models')} needs {keyword('by', 'COLUMN')}, the column or partition with the key of a row"
+            f"{keyword('models')} needs {keyword('by', 'COLUMN')}, the column or partition with the key of "
+            "a row"
         )
     if spreadsheet_safe and inputs.single and target.name.lower().endswith(PARQUETS):
         raise UsageError(f"{keyword('spreadsheet_safe')} is for CSV and TSV: no text of Parquet is a formula")

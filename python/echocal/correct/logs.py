@@ -200,7 +200,8 @@ def logs_of(
         if key is None and logs is None:
             message = (
                 f"the model has {', '.join(depends)}, which depends on the other rows of a log, and there "
-                f"are {len(sources)} files; say which are one log: {keyword('logs', 'all')}, {keyword('logs', 'file')} "
+                f"are {len(sources)} files; say which are one log: {keyword('logs', 'all')}, "
+                f"{keyword('logs', 'file')} "
                 f"(each by itself), or {keyword('by', 'COLUMN')} with one partition for each sensor"
             )
             raise UsageError(message)

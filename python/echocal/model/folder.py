@@ -1,8 +1,9 @@
 """A folder of models, one for each key: the model of every sensor of a fleet.
 
 The model of a key is in the file of its name, with signs that a file name may not have replaced by ``_``, and
-with a hash in place of the end where it is too long (`echocal.diagnose_fleet` writes them so). An ``index.json`` in the folder names them instead: ``{"schema": "echocal.models/1", "models":
-{"KEY": "FILE.json", ...}}``.
+with a hash in place of the end where it is too long (`echocal.diagnose_fleet` writes them so).
+An ``index.json`` in the folder names them instead: ``{"schema": "echocal.models/1", "models": {"KEY":
+"FILE.json", ...}}``.
 """
 
 import hashlib

@@ -68,8 +68,9 @@ class State:
             if kept is None:
                 self.set_fact(name, value)
             elif kept != json.loads(json.dumps(value)):
+                here = keyword("state", str(self.path))
                 message = (
-                    f"{keyword('state', str(self.path))} was made with {name} = {kept!r}, this watch has {value!r}: "
+                    f"{here} was made with {name} = {kept!r}, this watch has {value!r}: "
                     f"give the same, or begin with another {keyword('state')}"
                 )
                 raise DataError(message)

@@ -97,9 +97,9 @@ def prepare(
     groups = np.cumsum(breaks) if labels is None else labels
     if reference is None and len(rows) - groups[-1] - 1 < settings.fewest:
         message = (
-            f"with {keyword('constant_distance')} the distance of each placement is unknown, and {len(rows)} usable "
-            f"rows have {groups[-1] + 1} of them. A diagnosis needs at least {settings.fewest} rows more "
-            "than placements"
+            f"with {keyword('constant_distance')} the distance of each placement is unknown, and "
+            f"{len(rows)} usable rows have {groups[-1] + 1} of them. A diagnosis needs at least "
+            f"{settings.fewest} rows more than placements"
         )
         if groups[-1]:
             message += (

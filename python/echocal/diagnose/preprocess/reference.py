@@ -45,8 +45,8 @@ def reference_of(
     if observations.reference_distance is None:
         message = (
             "the table has no reference distance: map a column to distance_m, give "
-            f"{keyword('reference_distance')} in m, or give {keyword('constant_distance', True)} if the target "
-            "did not move"
+            f"{keyword('reference_distance')} in m, or give {keyword('constant_distance', True)} if the "
+            "target did not move"
         )
         raise UsageError(message)
     return observations.reference_distance
@@ -79,8 +79,9 @@ def refuse_contradiction(observations: Observations, given: float | None, consta
         apart = usable[np.abs(known[usable] - given) > _APART * given]
         if len(apart):
             message = (
-                f"{keyword('reference_distance')} says {given:g} m, and column '{column}' says {known[apart[0]]:g} m at "
-                f"{row(apart[0])} ({len(apart)} of {len(usable)} rows differ by more than 2 %); {way}"
+                f"{keyword('reference_distance')} says {given:g} m, and column '{column}' says "
+                f"{known[apart[0]]:g} m at {row(apart[0])} ({len(apart)} of {len(usable)} rows differ by more "
+                f"than 2 %); {way}"
             )
             raise UsageError(message)
         return
@@ -90,9 +91,9 @@ def refuse_contradiction(observations: Observations, given: float | None, consta
         low, high = rows[known[rows].argmin()], rows[known[rows].argmax()]
         if known[high] - known[low] > _APART * known[high]:
             message = (
-                f"{keyword('constant_distance')} says that the target did not move, and column '{column}' says "
-                f"{known[low]:g} m at {row(low)} and {known[high]:g} m at {row(high)}. The column is not "
-                "used. If the target moved, leave the option out"
+                f"{keyword('constant_distance')} says that the target did not move, and column '{column}' "
+                f"says {known[low]:g} m at {row(low)} and {known[high]:g} m at {row(high)}. The column is "
+                "not used. If the target moved, leave the option out"
             )
             warnings.warn(message, DataWarning, stacklevel=4)
             return
