@@ -253,10 +253,10 @@ def test_a_drift_that_was_told_is_not_told_every_day(random: np.random.Generator
 @pytest.mark.parametrize(
     ("rows", "reference", "says"),
     [
-        ({"time_s": 0}, Reference(), "no row has a reference distance.*--constant-distance"),
-        ({"distance_m": 2}, Reference(), "no row has a time.*--interval"),
+        ({"time_s": 0}, Reference(), "no row has a reference distance.*constant_distance=True"),
+        ({"distance_m": 2}, Reference(), "no row has a time.*interval in s"),
         ({"time_s": 0, "distance_m": 2, "status": ""}, Reference(), "corrected before"),
-        ({"time_s": 0}, Reference(same_target="tank"), "--same-target: no row has a column 'tank'"),
+        ({"time_s": 0}, Reference(same_target="tank"), "same_target: no row has a column 'tank'"),
     ],
 )
 def test_what_cannot_be_tested_is_refused(rows: dict[str, Any], reference: Reference, says: str) -> None:

@@ -11,7 +11,7 @@ __all__ = ["EXTRA", "IGNORE", "INSPECT", "by_name", "by_request", "looks_like", 
 
 EXTRA = "extra"
 INSPECT = (
-    f"{command_line('inspect', 'LOG', out='log.toml')} proposes all columns, "
+    f"{command_line('inspect', 'LOG', '-o', 'log.toml')} proposes all columns, "
     f"{command_line('diagnose', 'LOG', options='log.toml')} takes them"
 )
 IGNORE = "ignore"

@@ -80,8 +80,8 @@ def refuse_contradiction(observations: Observations, given: float | None, consta
         if len(apart):
             message = (
                 f"{keyword('reference_distance')} says {given:g} m, and column '{column}' says "
-                f"{known[apart[0]]:g} m at {row(apart[0])} ({len(apart)} of {len(usable)} rows differ by more "
-                f"than 2 %); {way}"
+                f"{known[apart[0]]:g} m at {row(apart[0])} ({len(apart)} of {len(usable)} rows differ by "
+                f"more than 2 %); {way}"
             )
             raise UsageError(message)
         return
