@@ -66,7 +66,8 @@ class Fleet:
     >>> import echocal
     >>> from echocal.watch import Fleet, Reference, State, WatchSettings
     >>> device = echocal.Model("linear")
-    >>> fleet = Fleet(lambda id_: device, None, Reference(correct_only=True), WatchSettings(), State(None))
+    >>> one_meter = Reference(reference_distance=1.0)
+    >>> fleet = Fleet(lambda id_: device, None, one_meter, WatchSettings(), State(None))
     >>> rows = [{"time_s": 600 * i, "reading_m": 1.001, "temperature_C": 20.0 + i % 2} for i in range(600)]
     >>> corrected, events = fleet.take(rows)
     >>> corrected[1]["corrected_distance_m"], [event.kind for event in events]
