@@ -14,7 +14,7 @@ ROOT = Path(__file__).parents[1]
 PACKAGE = ROOT / "python" / "echocal"
 
 LAYERS = (
-    {"_core", "_interrupt", "errors", "shown"},
+    {"_core", "_interrupt", "_verb", "errors", "shown"},
     {"codes", "outputs", "checksums", "objects"},
     {"places"},
     {"quantities"},

@@ -1,20 +1,18 @@
 """Name what an ultrasonic distance sensor gets wrong, measure the gain, ship the correction."""
 
 from echocal import _interrupt as _interrupt  # isort: skip  # first: Ctrl-C may come during the rest
-import sys
 from importlib import import_module
-from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 from echocal._core import __version__, absorption, distance, error, speed_of_sound, time_of_flight
 
 if TYPE_CHECKING:
-    from echocal import firmware, watch
+    from echocal import firmware
     from echocal.calibrate import Calibration, Regression, calibrate
     from echocal.correct import Corrected, correct, correct_files
     from echocal.diagnose import Diagnosis, diagnose, diagnose_many, gross_faults, row_faults
     from echocal.diagnose.noises import noises
-    from echocal.domain import DEPARTURES, DOMAIN_VIOLATIONS, departures, domain_violations
+    from echocal.domain import DOMAIN_VIOLATIONS, domain_violations
     from echocal.emulation import Emulation, emulate, error_parts
     from echocal.errors import (
         BoundError,
@@ -35,7 +33,6 @@ if TYPE_CHECKING:
     from echocal.waveforms import EchoTimes, echo_times, read_waveforms
 
 __all__ = [
-    "DEPARTURES",
     "DOMAIN_VIOLATIONS",
     "BoundError",
     "Calibration",
@@ -59,7 +56,6 @@ __all__ = [
     "calibrate",
     "correct",
     "correct_files",
-    "departures",
     "diagnose",
     "diagnose_fleet",
     "diagnose_many",
@@ -85,10 +81,10 @@ __all__ = [
 ]
 
 _HOMES = {
-    "calibrate": ("Calibration", "Regression", "calibrate"),
-    "correct": ("Corrected", "correct", "correct_files"),
-    "diagnose": ("Diagnosis", "diagnose", "diagnose_many", "gross_faults", "noises", "row_faults"),
-    "domain": ("DEPARTURES", "DOMAIN_VIOLATIONS", "departures", "domain_violations"),
+    "calibrate": ("Calibration", "Regression"),
+    "correct": ("Corrected", "correct_files"),
+    "diagnose": ("Diagnosis", "diagnose_many", "gross_faults", "noises", "row_faults"),
+    "domain": ("DOMAIN_VIOLATIONS", "domain_violations"),
     "emulation": ("Emulation", "emulate", "error_parts"),
     "errors": (
         "BoundError",
@@ -104,18 +100,20 @@ _HOMES = {
     "model": ("Model",),
     "observations": ("Observations", "read_observations"),
     "registry": ("effects",),
-    "sweep": ("sweep",),
-    "verify": ("Verification", "verify", "verify_model"),
+    "verify": ("Verification", "verify_model"),
     "waveforms": ("EchoTimes", "echo_times", "read_waveforms"),
 }
 """Module of each name that is imported when it is asked for: pandas and SciPy take a second."""
+
+_MODULES = {"calibrate", "correct", "diagnose", "firmware", "sweep", "verify", "watch"}
+"""Modules that are public; all but ``firmware`` are called, see `echocal._verb`."""
 
 _HOME = {name: home for home, names in _HOMES.items() for name in names}
 
 
 def __getattr__(name: str) -> Any:
     """Import what takes long to import when it is asked for."""
-    if name in {"firmware", "watch"}:
+    if name in _MODULES:
         return import_module(f"echocal.{name}")
     if name not in _HOME:
         message = f"module 'echocal' has no attribute '{name}'"
@@ -128,28 +126,3 @@ def __getattr__(name: str) -> Any:
 def __dir__() -> list[str]:
     """The public names alone, also of what is not imported yet."""
     return sorted(__all__)
-
-
-def _function(name: str) -> property:
-    """A function whose module has its name: the import of the module must not hide it."""
-    return property(
-        lambda _: getattr(import_module(f"echocal.{name}"), name),
-        lambda _, module: None,
-    )
-
-
-class _Package(ModuleType):
-    """The package, in which ``echocal.diagnose`` is the function, whatever was imported before."""
-
-    calibrate = _function("calibrate")
-    correct = _function("correct")
-    diagnose = _function("diagnose")
-    sweep = _function("sweep")
-    verify = _function("verify")
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        """Travel by name, as other modules do: functions sent to Spark or Ray may name the package."""
-        return import_module, (self.__name__,)
-
-
-sys.modules[__name__].__class__ = _Package

@@ -70,8 +70,7 @@ def correct(
 ) -> Corrected:
     """Correct every row of a table, in its order.
 
-    `echocal.correct_files` corrects files of any size, and folders. ``echocal.correct.correct_table`` is
-    another name of this function.
+    `echocal.correct_files` corrects files of any size, and folders.
 
     Parameters
     ----------
@@ -144,7 +143,7 @@ def correct(
 
 
 correct_table = correct
-correct.__dict__["correct_table"] = correct  # as `echocal.correct` is the function, not this package
+"""The name that the function had before; scripts call it."""
 
 
 def _appended(table: Any, whole: pd.DataFrame, results: Mapping[str, NDArray[Any]]) -> Any:
