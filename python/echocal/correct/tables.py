@@ -6,9 +6,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pandas as pd
 from numpy.typing import NDArray
 
+from echocal.correct.appended import appended
 from echocal.correct.needed import needed, refuse_no_model
 from echocal.correct.results import DISTANCE, RESULTS, STATUS, UNCERTAINTY, UNUSABLE
 from echocal.correct.rows import Reading, Rows, correct_rows
@@ -29,9 +29,10 @@ class Corrected:
 
     Attributes
     ----------
-    table : pandas.DataFrame, or polars.DataFrame of such a table, shape (n, m + 4)
-        The unchanged table, and ``corrected_distance_m`` [m], ``distance_standard_uncertainty_m`` [m],
-        ``status``, a reason code, and ``unusable``, its former name. A row
+    table : DataFrame of the library that was given, shape (n, m + 4)
+        The unchanged table of pandas, polars, pyarrow or xarray (a dataset); of pandas for a file, a mapping
+        and other libraries. It has ``corrected_distance_m`` [m], ``distance_standard_uncertainty_m`` [m],
+        ``status``, a reason code, and ``unusable``, its former name, too. A row
         outside of the range of a smooth correction has a reason and the distance without this correction.
     rows : int
         Number of rows.
@@ -139,22 +140,11 @@ def correct(
         rows = rows.lost(np.isin(np.arange(len(whole)), lost), reason)
     unusable, marked = counts(rows)
     notes = [*found.notes, *notes, *rows.notes, *said_of(marked)]
-    return Corrected(_appended(table, whole, results_of(rows)), len(whole), unusable, tuple(notes), marked)
+    return Corrected(appended(table, whole, results_of(rows)), len(whole), unusable, tuple(notes), marked)
 
 
 correct_table = correct
 """The name that the function had before; scripts call it."""
-
-
-def _appended(table: Any, whole: pd.DataFrame, results: Mapping[str, NDArray[Any]]) -> Any:
-    """The table of the user with the results, of the kind that it is: pandas, polars; pandas of a mapping."""
-    if isinstance(table, pd.DataFrame):
-        return table.assign(**results)
-    if type(table).__module__.startswith("polars"):
-        import polars as pl  # the user has it
-
-        return table.with_columns([pl.Series(name, values.tolist()) for name, values in results.items()])
-    return whole.assign(**results)
 
 
 def results_of(rows: Rows) -> dict[str, NDArray[Any]]:
