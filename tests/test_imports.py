@@ -21,6 +21,7 @@ HEAVY = {
     "pydantic",
     "rich",
     "scipy",
+    "sklearn",
     "xarray",
 }
 VERBS = ["calibrate", "correct", "diagnose", "sweep", "verify"]

@@ -27,8 +27,8 @@ LAYERS = (
     {"diagnose", "silicon", "echoes", "verify"},
     {"panels"},
     {"plots", "report", "firmware"},
-    {"study", "explore", "emulation", "fleet", "watch"},
-    {"pages"},
+    {"study", "explore", "emulation", "fleet", "watch", "accessor", "estimator"},
+    {"pages", "_accessors"},
     {"cli"},
 )
 ROOMS_OF_DIAGNOSE = [

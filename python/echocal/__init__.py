@@ -2,8 +2,10 @@
 
 from echocal import _interrupt as _interrupt  # isort: skip  # first: Ctrl-C may come during the rest
 from importlib import import_module
+from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
 
+from echocal._accessors import register
 from echocal._core import __version__, absorption, distance, error, speed_of_sound, time_of_flight
 
 if TYPE_CHECKING:
@@ -24,6 +26,7 @@ if TYPE_CHECKING:
         ModelError,
         UsageError,
     )
+    from echocal.estimator import EchoCorrector
     from echocal.fleet import diagnose_fleet
     from echocal.model import Model
     from echocal.observations import Observations, read_observations
@@ -79,6 +82,8 @@ __all__ = [
     "verify_model",
     "watch",
 ]
+if find_spec("sklearn") is not None:  # else nothing that lists the names could import it
+    __all__ += ["EchoCorrector"]
 
 _HOMES = {
     "calibrate": ("Calibration", "Regression"),
@@ -96,6 +101,7 @@ _HOMES = {
         "ModelError",
         "UsageError",
     ),
+    "estimator": ("EchoCorrector",),
     "fleet": ("diagnose_fleet",),
     "model": ("Model",),
     "observations": ("Observations", "read_observations"),
@@ -126,3 +132,6 @@ def __getattr__(name: str) -> Any:
 def __dir__() -> list[str]:
     """The public names alone, also of what is not imported yet."""
     return sorted(__all__)
+
+
+register()

@@ -174,8 +174,10 @@ def refuse_outputs(inputs: Inputs, given: str | Path, out: Place) -> None:
     if inputs.single:
         refuse_ending(out)
         file = inputs.files[0].path
-        with writing(out):
-            if isinstance(file, Path) and isinstance(out, Path) and out.exists() and out.samefile(file):
+        if isinstance(file, Path) and isinstance(out, Path):
+            with writing(out):
+                same = out.exists() and out.samefile(file)
+            if same:
                 message = f"{out} is the input itself; choose another output"
                 raise UsageError(message)
     if is_url(given) or is_url(out):
