@@ -19,7 +19,8 @@ ORDERS = {
     "pandas before": "import pandas as pd; import echocal",
     "pandas after": "import echocal; import pandas as pd",
     "pandas after all names": "from echocal import *; import pandas as pd",
-    "pandas looked for before": "import echocal, importlib.util as u; u.find_spec('pandas')\nimport pandas as pd",
+    "pandas looked for before": "import echocal, importlib.util\n"
+    "importlib.util.find_spec('pandas')\nimport pandas as pd",
     "pandas by xarray": "import echocal, xarray; import pandas as pd",
 }
 

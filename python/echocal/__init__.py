@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from echocal.registry import effects
     from echocal.sweep import sweep
     from echocal.verify import Verification, verify, verify_model
+    from echocal.watch import watch
     from echocal.waveforms import EchoTimes, echo_times, read_waveforms
 
 __all__ = [

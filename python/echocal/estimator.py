@@ -56,11 +56,12 @@ class EchoCorrector(RegressorMixin, TransformerMixin, BaseEstimator):  # type: i
     Notes
     -----
     A table with names is read by them, with their units, as `echocal.read_observations` does:
-    ``echo_us``, ``reading_cm``, ``temperature_C``, ``humidity_percent``, ... An array has no names. Its columns
-    are ``echo_us``, ``temperature_C``, ``humidity_percent`` in this order, and further ones without a meaning.
+    ``echo_us``, ``reading_cm``, ``temperature_C``, ``humidity_percent``, ... An array has no names. Its
+    columns are ``echo_us``, ``temperature_C``, ``humidity_percent`` in this order, and further ones without
+    a meaning.
     An array of one column has echo times at 20 degC.
 
-    A column with a name that looks as if it were in another unit is refused. The order of an array is believed.
+    A column of a table that looks as if it were in another unit is refused. That of an array is believed.
 
     A row with NaN, or with a value that is not possible, does not count in the fit. `predict` and
     `transform` give NaN for it. An infinite value is an error.

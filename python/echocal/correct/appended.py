@@ -48,7 +48,7 @@ def appended(table: Any, whole: pd.DataFrame, results: Mapping[str, NDArray[Any]
 
 
 def _xarray(table: Any, results: Mapping[str, NDArray[Any]]) -> Any:
-    """A dataset; an array becomes the one that holds it. The rows are its points, the last dimension first."""
+    """A dataset; an array becomes one that holds it. The rows are its points, the last dimension first."""
     dims = {dim: table.sizes[dim] for dim in (table.dims if hasattr(table, "dtype") else table.sizes)}
     held = table.to_dataset() if hasattr(table, "dtype") else table
     shape = tuple(dims.values())
