@@ -14,6 +14,7 @@ from echocal.correct.results import DISTANCE, RESULTS, STATUS, UNCERTAINTY, UNUS
 from echocal.correct.rows import Reading, Rows, correct_rows
 from echocal.errors import DataError, UsageError
 from echocal.model import Model
+from echocal.observations.advice import naming
 from echocal.observations.given import READ_OPTIONS, refuse_keywords
 from echocal.observations.numbers import Missing
 from echocal.observations.reading import understood
@@ -134,7 +135,8 @@ def correct(
         trust=reading.trust,
         mark_rows=mark_rows,
     )
-    rows = correct_rows(whole, model, read, reading)
+    with naming(list(whole.columns)):
+        rows = correct_rows(whole, model, read, reading)
     for reason in dict.fromkeys(found.corrupt.values()):
         lost = [row for row, why in found.corrupt.items() if why == reason]
         rows = rows.lost(np.isin(np.arange(len(whole)), lost), reason)

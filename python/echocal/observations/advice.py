@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterator, Mapping
+from contextlib import contextmanager
 from difflib import get_close_matches
 from typing import TYPE_CHECKING
 
+from echocal.errors import AbsentError, DataError
 from echocal.observations.found import found_in
 from echocal.observations.hints import role_of
 from echocal.observations.names import INSPECT, looks_like, phrase, unit_of
@@ -16,9 +18,40 @@ from echocal.observations.units import FORMS, Form
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["no_echo", "which_temperature"]
+__all__ = ["misspelled", "naming", "no_echo", "which_temperature"]
 
+_LONGEST = 80  # letters of a name that is compared: the time goes with their square
 _MISSPELLED = 0.75  # likeness from which on a name is taken for another one misspelled
+
+
+def misspelled(quantity: str, names: Collection[str]) -> str:
+    """Which column may hold a quantity, by a name that is nearly one of it, and what columns there are.
+
+    Examples
+    --------
+    >>> misspelled("temperature", ["echo_us", "temprature_C"])
+    '; did you mean: --column "temprature_C=temperature_C"? The table has: echo_us, temprature_C'
+    >>> misspelled("temperature", ["echo_us"])
+    '; the table has: echo_us'
+    """
+    forms = [form for form in FORMS if form.quantity == quantity]
+    meant = _meant([name for name in names if len(name) <= _LONGEST], forms)
+    listed = ", ".join(names)
+    return (
+        f'; did you mean: --column "{meant}"? The table has: {listed}'
+        if meant
+        else f"; the table has: {listed}"
+    )
+
+
+@contextmanager
+def naming(names: Collection[str]) -> Iterator[None]:
+    """Tell, where a quantity is absent, which of the columns of the user's table may hold it."""
+    try:
+        yield
+    except AbsentError as error:
+        message = f"{error}{misspelled(error.quantity, names)}"
+        raise DataError(message) from None
 
 
 def no_echo(table: pd.DataFrame, plan: Plan) -> str:
