@@ -16,10 +16,10 @@ from echocal.errors import DataError, among
 from echocal.model import Model
 from echocal.model.folder import label
 from echocal.model.indicated_speed import speed_of
-from echocal.observations.advice import naming
 from echocal.observations.found import NOT_READ
 from echocal.observations.hints import completed
 from echocal.observations.marks import MARKS
+from echocal.observations.misspelled import naming
 from echocal.observations.numbers import Missing
 from echocal.observations.part import Part, Seen
 from echocal.observations.plan import make

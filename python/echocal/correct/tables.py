@@ -14,8 +14,8 @@ from echocal.correct.results import DISTANCE, RESULTS, STATUS, UNCERTAINTY, UNUS
 from echocal.correct.rows import Reading, Rows, correct_rows
 from echocal.errors import DataError, UsageError
 from echocal.model import Model
-from echocal.observations.advice import naming
 from echocal.observations.given import READ_OPTIONS, refuse_keywords
+from echocal.observations.misspelled import naming
 from echocal.observations.numbers import Missing
 from echocal.observations.reading import understood
 from echocal.observations.source import load

@@ -19,8 +19,8 @@ from echocal.diagnose.results.stated import with_stated
 from echocal.diagnose.settings import Settings
 from echocal.model import Model
 from echocal.observations import Observations
-from echocal.observations.advice import naming
 from echocal.observations.given import READ_OPTIONS, refuse_keywords
+from echocal.observations.misspelled import naming
 
 __all__ = ["diagnose"]
 

@@ -184,7 +184,7 @@ def _no_thermometer(quantity: str, column: str, observations: Observations) -> s
 
 def _absent(purpose: str, quantity: str, observations: Observations) -> str:
     # the names live beside the units; imported late because most tables are complete
-    from echocal.observations.advice import misspelled
+    from echocal.observations.misspelled import misspelled
     from echocal.observations.units import FORMS
 
     names = [name for form in FORMS if form.quantity == quantity for name in form.names]

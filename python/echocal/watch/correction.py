@@ -13,7 +13,7 @@ from echocal.correct.rows import Reading, correct_rows
 from echocal.domain import counting
 from echocal.errors import DataError
 from echocal.model import Model
-from echocal.observations.advice import naming
+from echocal.observations.misspelled import naming
 from echocal.observations.part import Part
 from echocal.watch.rows import Columns, Reader, Row
 
