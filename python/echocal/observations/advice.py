@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
-from difflib import get_close_matches
 from typing import TYPE_CHECKING
 
 from echocal.keywords import keyword
 from echocal.observations.found import found_in
 from echocal.observations.hints import role_of
-from echocal.observations.names import INSPECT, looks_like, phrase, unit_of
+from echocal.observations.misspelled import meant as meant_by
+from echocal.observations.names import INSPECT, looks_like, unit_of
 from echocal.observations.plan import Assignment, Plan
 from echocal.observations.proposals import Proposal, propose, unfit
 from echocal.observations.units import FORMS, Form
@@ -20,7 +20,6 @@ if TYPE_CHECKING:
 __all__ = ["no_echo", "which_temperature"]
 
 _SAY = "Say which it is"
-_MISSPELLED = 0.75  # likeness from which on a name is taken for another one misspelled
 
 
 def no_echo(table: pd.DataFrame, plan: Plan) -> str:
@@ -37,7 +36,7 @@ def no_echo(table: pd.DataFrame, plan: Plan) -> str:
 def which_temperature(table: pd.DataFrame, plan: Plan) -> dict[str, str]:
     """How to say which column is the temperature, as `columns` takes it."""
     forms = [form for form in FORMS if form.quantity == "temperature"]
-    if meant := _meant(plan.others, forms):
+    if meant := meant_by(plan.others, forms):
         return meant
     proposed = propose(table, found_in(table), {name: own.name for name, own in _given(plan).items()})
     asked = [name for name in plan.others if "temperature" in proposed[name].reason]
@@ -64,14 +63,14 @@ def _advice(table: pd.DataFrame, plan: Plan, echo: Collection[Form]) -> str:
         ruler = role_of(reference.column) == "distance"
         if len(beside) == 1:
             return f"{_SAY}: {keyword('columns', beside[0])}; {INSPECT}"
-        if not ruler and not _meant(others, echo):
+        if not ruler and not meant_by(others, echo):
             request = keyword("columns", {reference.column: f"reading_{reference.unit_name}"})
             return f"Record one of them; if the sensor indicates '{reference.column}': {request}"
         if not others:
             return f"Record one of them beside '{reference.column}', which is the reference by its name"
     if not others:
         return "Record one of them"
-    if meant := _meant(others, echo):
+    if meant := meant_by(others, echo):
         return f"Did you mean: {keyword('columns', meant)}"
     return _of_others(table, others, echo, likely, proposed)
 
@@ -111,16 +110,3 @@ def _of_others(
 def _is_named(request: Mapping[str, str], proposed: Mapping[str, Proposal]) -> bool:
     """Whether the name of a column speaks of an echo or a reading, not only its values."""
     return all(proposed[name].reason.startswith("its name") for name in request)
-
-
-def _meant(others: Collection[str], forms: Collection[Form]) -> dict[str, str]:
-    """Request of a column whose name says a quantity in other words, or misspells it."""
-    for name in others:
-        said = phrase(name)
-        if said and said[0] in forms:
-            return {name: Assignment(name, *said).name}
-    known = [name for form in forms for name in form.names]
-    for name in others:
-        if near := get_close_matches(name, known, n=1, cutoff=_MISSPELLED):
-            return {name: near[0]}
-    return {}
