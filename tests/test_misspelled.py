@@ -40,11 +40,11 @@ def test_a_misspelled_temperature(table: dict[str, Any], tmp_path: Path) -> None
         assert "remark" in str(told.value).partition("The table has: ")[2]
     rows = [dict(zip(table, row, strict=True)) for row in zip(*table.values(), strict=True)]
     (corrected, _), *_ = echocal.watch(rows, MODEL, reference=Reference(none=True))
-    assert 'did you mean: --column "temprature_C=temperature_C"' in str(corrected[0]["status"])
+    assert "did you mean: columns={'temprature_C': 'temperature_C'}" in str(corrected[0]["status"])
 
 
 def test_a_misspelled_reference(table: dict[str, Any]) -> None:
     table["temperature_C"] = table.pop("temprature_C")
     table["distanse_m"] = table.pop("distance_m") + np.linspace(0.0, 1e-2, 60)
-    with pytest.raises(echocal.DataError, match=r'did you mean: --column "distanse_m=distance_m"'):
+    with pytest.raises(echocal.DataError, match=r"did you mean: columns=\{'distanse_m': 'distance_m'\}"):
         echocal.verify(table, maximum_permissible_error=3e-3)
