@@ -29,7 +29,7 @@ def test_a_misspelled_temperature(table: dict[str, Any], tmp_path: Path) -> None
     log = tmp_path / "log.csv"
     lines = [",".join(table), *(",".join(map(str, row)) for row in zip(*table.values(), strict=True))]
     log.write_text("\n".join(lines) + "\n")
-    meant = r'did you mean: --column "temprature_C=temperature_C"\? The table has: .*temprature_C'
+    meant = r"did you mean: columns=\{'temprature_C': 'temperature_C'\}\? The table has: .*temprature_C"
     for call in (
         lambda: echocal.correct(table, MODEL),
         lambda: echocal.correct_files(log, tmp_path / "out.csv", MODEL),
@@ -39,7 +39,7 @@ def test_a_misspelled_temperature(table: dict[str, Any], tmp_path: Path) -> None
             call()
         assert "remark" in str(told.value).partition("The table has: ")[2]
     rows = [dict(zip(table, row, strict=True)) for row in zip(*table.values(), strict=True)]
-    (corrected, _), *_ = echocal.watch(rows, MODEL, reference=Reference(none=True))
+    (corrected, _), *_ = echocal.watch(rows, MODEL, reference=Reference(correct_only=True))
     assert "did you mean: columns={'temprature_C': 'temperature_C'}" in str(corrected[0]["status"])
 
 

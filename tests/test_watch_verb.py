@@ -14,7 +14,7 @@ from echocal.watch import Reference, WatchSettings
 
 MODEL = echocal.Model("linear")
 SETTINGS = WatchSettings(learn=100)
-CONSTANT = Reference(constant=True)
+CONSTANT = Reference(constant_distance=True)
 
 
 @pytest.fixture
@@ -39,7 +39,7 @@ def all_of(found: Any) -> tuple[list[Any], list[dict[str, Any]]]:
 
 def test_rows_lines_and_a_file_give_the_same(rows: list[dict[str, Any]], tmp_path: Path) -> None:
     (tmp_path / "log.csv").write_text(text(rows))
-    how: dict[str, Any] = {"reference": Reference(distance=1.0), "settings": SETTINGS}
+    how: dict[str, Any] = {"reference": Reference(reference_distance=1.0), "settings": SETTINGS}
     corrected, events = all_of(echocal.watch(rows, MODEL, **how))
     assert "change" in {event["event"] for event in events}
     expected = echocal.correct(pd.DataFrame(rows), MODEL).table
@@ -69,7 +69,7 @@ def test_each_row_comes_out_before_the_next_is_asked_for(rows: list[dict[str, An
 def test_a_state_continues_a_file(rows: list[dict[str, Any]], tmp_path: Path) -> None:
     log, lines = tmp_path / "log.csv", text(rows).splitlines(keepends=True)
     how: dict[str, Any] = {
-        "reference": Reference(distance=1.0),
+        "reference": Reference(reference_distance=1.0),
         "settings": SETTINGS,
         "state": tmp_path / "watch.db",
     }

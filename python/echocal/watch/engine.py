@@ -57,8 +57,8 @@ def watch(
     by : str, optional
         Column with the id of the sensor.
     reference : Reference, optional
-        What a corrected distance is compared with: ``Reference(distance=1.5)`` [m],
-        ``Reference(constant=True)``, ``Reference(none=True)``. Default: the column ``distance_m``.
+        What a corrected distance is compared with: ``Reference(reference_distance=1.5)`` [m],
+        ``Reference(constant_distance=True)``, ``Reference(correct_only=True)``. Default: the column ``distance_m``.
     settings : WatchSettings, optional
         Rows to learn from, false alarms, and the other numbers that decide.
     interval : float, optional
@@ -95,7 +95,7 @@ def watch(
     >>> import echocal
     >>> from echocal.watch import Reference
     >>> rows = ({"time_s": 600 * i, "reading_m": 1.0, "temperature_C": 20.0 + i % 2} for i in range(3))
-    >>> for corrected, events in echocal.watch(rows, echocal.Model("linear"), reference=Reference(none=True)):
+    >>> for corrected, events in echocal.watch(rows, echocal.Model("linear"), reference=Reference(correct_only=True)):
     ...     print(corrected[0]["corrected_distance_m"], len(events))
     1.0 0
     1.0 0
