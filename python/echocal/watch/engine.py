@@ -58,7 +58,8 @@ def watch(
         Column with the id of the sensor.
     reference : Reference, optional
         What a corrected distance is compared with: ``Reference(reference_distance=1.5)`` [m],
-        ``Reference(constant_distance=True)``, ``Reference(correct_only=True)``. Default: the column ``distance_m``.
+        ``Reference(constant_distance=True)``, ``Reference(correct_only=True)``. Default: the column
+        ``distance_m``.
     settings : WatchSettings, optional
         Rows to learn from, false alarms, and the other numbers that decide.
     interval : float, optional
@@ -95,7 +96,8 @@ def watch(
     >>> import echocal
     >>> from echocal.watch import Reference
     >>> rows = ({"time_s": 600 * i, "reading_m": 1.0, "temperature_C": 20.0 + i % 2} for i in range(3))
-    >>> for corrected, events in echocal.watch(rows, echocal.Model("linear"), reference=Reference(correct_only=True)):
+    >>> nothing = Reference(correct_only=True)
+    >>> for corrected, events in echocal.watch(rows, echocal.Model("linear"), reference=nothing):
     ...     print(corrected[0]["corrected_distance_m"], len(events))
     1.0 0
     1.0 0
