@@ -20,6 +20,7 @@ from echocal.errors import DataError, UsageError
 from echocal.observations.found import CORRUPT, CUT, Found, keep, pointed, said_of
 from echocal.observations.heading import SEPARATORS, fields_of, find_head
 from echocal.observations.layout import CUT_SIGN, Head, Layout, is_zipped, no_encoding, settled
+from echocal.observations.limits import Guarded
 from echocal.observations.numbers import EXACT
 from echocal.observations.quotes import Marks
 from echocal.observations.records import Records
@@ -298,6 +299,5 @@ def below(path: Path, layout: Layout, lines: int) -> Iterator[TextIO]:
 
 
 def _open(path: Path, encoding: str) -> TextIO:
-    if is_zipped(path):
-        return gzip.open(path, "rt", encoding=encoding, errors=CUT_SIGN, newline="")
-    return path.open(encoding=encoding, errors=CUT_SIGN, newline="")
+    file: Any = gzip.open(path) if is_zipped(path) else path.open("rb")  # noqa: SIM115 - closed by the text
+    return io.TextIOWrapper(Guarded(file, path), encoding=encoding, errors=CUT_SIGN, newline="")
