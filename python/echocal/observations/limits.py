@@ -15,7 +15,7 @@ LINE = 1 << 22
 """Bytes of a line, or of a quoted field with the lines in it: 16,384 columns of 256 bytes; judgement."""
 
 WHOLE = 1 << 26
-"""Bytes of a line of JSON, which may be a whole document: 600,000 records; reading takes eight times as much."""
+"""Bytes of a line of JSON, which may be a whole document: that of 600,000 records; judgement."""
 
 LOG_LINE = 1 << 12
 """Characters of a line of a log without separators: the longest known has 365. Words are searched in it, in a
@@ -32,7 +32,7 @@ DEPTH = 100
 """Lists and objects in each other in JSON: what writes them again stands on a stack of its own."""
 
 CELLS = 20_000_000
-"""Cells of a table, with or without a value, where most have none: each takes 32 bytes, so 0.6 GB; judgement."""
+"""Cells of a table, with or without a value, where most have none: each takes 32 bytes, so 0.6 GB."""
 
 
 def too_long(path: object, number: int, most: int = LINE) -> DataError:

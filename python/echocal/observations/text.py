@@ -299,5 +299,6 @@ def below(path: Path, layout: Layout, lines: int) -> Iterator[TextIO]:
 
 
 def _open(path: Path, encoding: str) -> TextIO:
-    file: Any = gzip.open(path) if is_zipped(path) else path.open("rb")  # noqa: SIM115 - closed by the text
-    return io.TextIOWrapper(Guarded(file, path), encoding=encoding, errors=CUT_SIGN, newline="")
+    opened: Any = gzip.open if is_zipped(path) else open
+    guarded: Any = Guarded(opened(path, "rb"), path)
+    return io.TextIOWrapper(guarded, encoding=encoding, errors=CUT_SIGN, newline="")

@@ -51,7 +51,10 @@ def _lines(lines: Sequence[str], path: str) -> Log:
             log.corrupt[len(records)] = line
             records.append({})
     if 2 * len(log.corrupt) >= len(records):
-        message = f"{path} is JSON that cannot be read{why and f' ({why})'}; write one record a line, or save the table as CSV"
+        message = (
+            f"{path} is JSON that cannot be read{why and f' ({why})'}; write one record a line, or save the "
+            "table as CSV"
+        )
         raise DataError(message)
     return of_several_messages(_short(records), log)
 

@@ -22,7 +22,7 @@ NAME = "a spreadsheet"
 
 _SHEET = re.compile(r"xl/worksheets/[^/]+\.xml")
 _CELL = re.compile(rb"\br=[\"']([A-Z]{1,3})(\d{1,7})[\"']")  # a row has digits only
-_TAG = 64  # bytes of such an attribute at most
+_TAG = 1 << 16  # bytes of such an attribute at most
 _PART = 1 << 20  # bytes that are looked at together
 
 _LARGEST = 1 << 30
@@ -80,7 +80,7 @@ def read(path: Path, sheet: str | None, skip_rows: int = 0) -> pd.DataFrame:
 
 
 def _refuse_extent(path: Path) -> None:
-    """Refuse a sheet with a cell far from the others: all cells between would be held, and end the process."""
+    """Refuse a sheet with a cell far from the others: all cells between would be held in memory."""
     try:
         with zipfile.ZipFile(path) as archive:
             for part in archive.infolist():
@@ -104,9 +104,11 @@ def _extent(file: IO[bytes]) -> tuple[int, int, int]:
     while data := file.read(_PART):
         data = rest + data
         end = data.rfind(b">", max(len(data) - _TAG, 0)) + 1 or len(data)
-        for letters, digits in _CELL.findall(data, 0, end):
-            rows, columns = max(rows, int(digits)), max(columns, _number(letters))
-            filled += 1
+        if cells := _CELL.findall(data, 0, end):
+            letters, digits = zip(*cells, strict=True)
+            rows = max(rows, *map(int, set(digits)))
+            columns = max(columns, *map(_number, set(letters)))
+            filled += len(cells)
         rest = data[end:]
     return rows, columns, filled
 
