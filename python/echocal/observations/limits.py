@@ -65,7 +65,8 @@ class Guarded(io.BufferedIOBase):
 
     def __init__(self, file: IO[bytes], path: object) -> None:
         self._file: Any = file
-        self._path, self._most, self._line, self._run = path, 0, 1, 0
+        self._path, self._most, self._run = path, 0, 0
+        self._ends = {b"\n": 0, b"\r": 0}
 
     def readable(self) -> bool:
         """It is read."""
@@ -79,7 +80,7 @@ class Guarded(io.BufferedIOBase):
         """Begin anew."""
         if place or whence:
             raise io.UnsupportedOperation("only to the begin")
-        self._line, self._run = 1, 0
+        self._run, self._ends = 0, dict.fromkeys(self._ends, 0)
         self._file.seek(0)
         return 0
 
@@ -102,16 +103,12 @@ class Guarded(io.BufferedIOBase):
         if not self._most:
             begins = data.lstrip(codecs.BOM_UTF8 + codecs.BOM_UTF16_LE + b"\0 \t\r\n")[:1]
             self._most = WHOLE if begins in (b"[", b"{") else LINE
-        for end in (b"\n", b"\r"):
-            if (first := data.find(end)) >= 0:
-                if self._run + first > self._most:
-                    break
-                self._line += data.count(end)
-                self._run = len(data) - data.rfind(end) - 1
-                return data
-        self._run += len(data)
-        if self._run > self._most:
-            raise too_long(self._path, self._line, self._most)
+        end = b"\n" if b"\n" in data else b"\r"
+        first = data.find(end)
+        if self._run + (len(data) if first < 0 else first) > self._most:
+            raise too_long(self._path, 1 + (self._ends[b"\n"] or self._ends[b"\r"]), self._most)
+        self._ends[end] += data.count(end)
+        self._run = self._run + len(data) if first < 0 else len(data) - data.rfind(end) - 1
         return data
 
 
