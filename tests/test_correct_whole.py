@@ -60,6 +60,6 @@ def test_texts_among_numbers(
         made = outcome(
             "log.parquet", "o.parquet", "echocal.correct.parquet.file", "_PIECE", size, monkeypatch
         )
-        told.append(made if isinstance(made, str) else pq.read_table("o.parquet").to_pandas())
+        told.append(made if isinstance(made, str) else pq.read_table("o.parquet").to_pydict())
     assert all(isinstance(one, str) == (case in REFUSED) for one in told)
-    assert all(one == told[0] if isinstance(one, str) else one.equals(told[0]) for one in told)
+    assert all(one == told[0] for one in told)
