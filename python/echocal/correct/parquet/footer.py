@@ -15,7 +15,9 @@ MAGIC = b"PAR1"
 _ENCRYPTED = b"PARE"
 _END = 8  # bytes: length of the footer, and the magic
 _LEAST = 1 << 19  # fields and elements that are read in any memory: those of 17,000 column chunks
-_COPIES = 8  # of the bytes of a footer, here and in Arrow; measured with one of 100 MB
+_COPIES = (
+    8  # of the bytes of a footer, here and in Arrow: about 5 for one of 100 MB, measured; the rest is reserve
+)
 _LONGEST = 1 << 27
 """Bytes of a footer at most: that of a million column chunks; judgement."""
 
