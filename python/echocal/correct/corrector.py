@@ -83,7 +83,9 @@ class Tally:
     def doubtful(self, job: Job) -> bool:
         """Whether the whole columns must be looked at: one may have no value, or be in another unit."""
         apart, known = self.disagreeing
-        looked_at = (seen for seen in self.seen.values() if seen.finite or not job.several)
+        looked_at = (
+            seen for seen in self.seen.values() if seen.finite or seen.damage.count or not job.several
+        )
         return any(seen.doubtful for seen in looked_at) or 2 * apart > known
 
 

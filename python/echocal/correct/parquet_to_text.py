@@ -12,6 +12,7 @@ from echocal.correct.corrector import Corrector, Tally
 from echocal.correct.job import Job
 from echocal.correct.parquet import footer as f
 from echocal.correct.parquet.file import (
+    FIXED,
     Opened,
     arrow_file,
     check_whole,
@@ -63,7 +64,7 @@ def parquet_to_text(
         raise UsageError(f"{keyword('append_only')} is for Parquet to Parquet")
     pa = arrow()
     with source.open("rb") as raw:
-        footer = f.read_footer(raw, str(source))
+        footer = f.read_footer(raw, str(source), job.memory - FIXED)
     opened = opened_file(source, footer, job, 1 + len(f.fields_of(footer)) // 4)
     with opened.file:
         names = names_of(opened.file)

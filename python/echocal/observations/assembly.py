@@ -137,12 +137,16 @@ class Assembly:
     def _numbers(self, column: str, source: Assignment | None = None) -> Column:
         """Numbers of a column; a few texts in it make their rows unusable."""
         corrupt: list[int] = []
-        values = to_numbers(self.table[column], column, self.missing, corrupt)
+        values = to_numbers(
+            self.table[column], column, self.missing, corrupt, part=bool(self.part and source)
+        )
         if corrupt and source is not None:
             where = np.zeros(len(values), dtype=np.bool_)
             where[corrupt] = True
             self._mark(where, f"{column} is no number", source)
-        if corrupt and self.part is None:
+        if self.part is not None:
+            self.part.count_damage(column, self.table[column], corrupt)
+        elif corrupt:
             text = shown(str(self.table[column].iloc[corrupt[0]]))
             self.notes.append(
                 f"{column} has text in place of a number in {rows(len(corrupt))}, "

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 from echocal.errors import DataError
 from echocal.observations.layout import Head
+from echocal.observations.limits import refuse_names
 from echocal.observations.units_said import is_unit_row
 
 __all__ = ["SEPARATORS", "decimal_of", "fields_of", "find_head", "is_value", "names_of", "too_long"]
@@ -205,5 +206,6 @@ def decimal_of(rows: Sequence[str], separator: str) -> str:
 
 def names_of(fields: Sequence[str]) -> list[str]:
     """Names of columns; one without a name has one by its place."""
+    refuse_names(fields, "the header")
     names = [field.strip() or f"Unnamed {position + 1}" for position, field in enumerate(fields)]
     return [names[0].removeprefix("% "), *names[1:]] if names else names

@@ -13,6 +13,7 @@ from echocal.errors import DataError, UsageError
 from echocal.keywords import command_line
 from echocal.observations import readers, text
 from echocal.observations.arrow import arrow, read_parquet, to_pandas
+from echocal.observations.limits import refuse_names
 
 __all__ = ["is_folder", "is_parquet", "load", "refuse_other_kinds", "refuse_unstreamed"]
 
@@ -55,6 +56,7 @@ def load(
         where = f"{source}"
     else:
         table, where = _object(source), "the table"
+    refuse_names(table.columns, where)
     table.columns = pd.Index([str(name).strip() for name in table.columns], dtype=object)
     repeated = table.columns[table.columns.duplicated()]
     if len(repeated):

@@ -21,6 +21,7 @@ from echocal.keywords import keyword
 from echocal.observations.found import CORRUPT, CUT, Found, keep, pointed, said_of
 from echocal.observations.heading import SEPARATORS, fields_of, find_head
 from echocal.observations.layout import CUT_SIGN, Head, Layout, is_zipped, no_encoding, settled
+from echocal.observations.limits import Guarded
 from echocal.observations.numbers import EXACT
 from echocal.observations.quotes import Marks
 from echocal.observations.records import Records
@@ -301,6 +302,6 @@ def below(path: Path, layout: Layout, lines: int) -> Iterator[TextIO]:
 
 
 def _open(path: Path, encoding: str) -> TextIO:
-    if is_zipped(path):
-        return gzip.open(path, "rt", encoding=encoding, errors=CUT_SIGN, newline="")
-    return path.open(encoding=encoding, errors=CUT_SIGN, newline="")
+    opened: Any = gzip.open if is_zipped(path) else open
+    guarded: Any = Guarded(opened(path, "rb"), path)
+    return io.TextIOWrapper(guarded, encoding=encoding, errors=CUT_SIGN, newline="")

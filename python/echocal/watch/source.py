@@ -7,9 +7,9 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import IO, Any, Protocol
 
-from echocal.correct.text.blocks import LONGEST, too_long
 from echocal.errors import DataError, UsageError
 from echocal.observations.layout import Layout
+from echocal.observations.limits import LINE, too_long
 from echocal.watch.parser import Batch, Parser
 from echocal.watch.state import State
 
@@ -63,7 +63,7 @@ class Lines:
                 yield batch
             if not data:
                 return
-            if len(rest) > LONGEST:
+            if len(rest) > LINE:
                 raise too_long("stdin", parser.line + 1)
 
     def done(self, state: State) -> None:
@@ -176,7 +176,7 @@ class Files:
                         yield batch
                     if ended:
                         break
-                    if stream.tell() - len(data) == at["byte"] and asked > LONGEST:
+                    if stream.tell() - len(data) == at["byte"] and asked > LINE:
                         raise too_long(file, parser.line + 1)
                     asked *= 2 if stream.tell() - len(data) == at["byte"] else 1
         except OSError as error:

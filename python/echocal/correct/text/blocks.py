@@ -14,20 +14,16 @@ import numpy as np
 
 from echocal.errors import DataError
 from echocal.observations.layout import CUT_SIGN
+from echocal.observations.limits import LINE, too_long
 from echocal.observations.quotes import Marks
 from echocal.observations.text import Head, Layout, below, is_zipped, no_text
 
-__all__ = ["LONGEST", "Block", "begins_with_mark", "blocks_of", "prelude", "refuse_long_lines", "too_long"]
+__all__ = ["Block", "begins_with_mark", "blocks_of", "prelude"]
 
 _RECORDS = 20_000
 """Rows of a block where quotation marks may span lines."""
 
 _QUOTE, _LINE_FEED = 34, 10
-
-LONGEST = 1 << 22
-"""Bytes of a line at most: no table of measurements has longer ones, and a damaged file may; judgement."""
-
-_FIRST = 200  # lines that are looked at before anything else looks at them
 
 
 @dataclass(frozen=True)
@@ -58,35 +54,6 @@ def prelude(path: Path, layout: Layout, head: Head) -> tuple[str, str, str, list
     return "".join(lines[:-1]), header, lines[-1][len(header) :] or "\n", under
 
 
-def refuse_long_lines(path: Path) -> None:
-    """Refuse a file whose first lines are no lines: looking for a format in them would take minutes.
-
-    Raises
-    ------
-    DataError
-        With the number of the line.
-    """
-    try:
-        with gzip.open(path) if is_zipped(path) else path.open("rb") as file:
-            for number in range(1, _FIRST + 1):
-                line: bytes = file.readline(LONGEST + 1)
-                if number == 1 and line.lstrip(codecs.BOM_UTF8 + b" ")[:1] in (b"[", b"{"):
-                    return  # JSON may be one line
-                if len(line) > LONGEST and b"\r" not in line:
-                    raise too_long(path, number)
-    except (OSError, EOFError, zlib.error):
-        return  # the reader tells
-
-
-def too_long(path: Path | str, number: int) -> DataError:
-    """An error for a line that is none."""
-    message = (
-        f"{path}: line {number} has more than {LONGEST:,} bytes, which no line of a table of measurements "
-        "has: the file is damaged, or another kind of file"
-    )
-    return DataError(message)
-
-
 def begins_with_mark(path: Path) -> bool:
     """Whether a file begins with the mark of UTF-8."""
     with path.open("rb") as file:
@@ -111,7 +78,7 @@ def blocks_of(path: Path, layout: Layout, head: Head, size: int) -> Iterator[Blo
             return
         cut = part.rfind(b"\n") + 1
         data, rest = (b"".join((rest, memoryview(part)[:cut])), part[cut:]) if cut else (b"", rest + part)
-        if len(rest) > max(LONGEST, size):
+        if len(rest) > max(LINE, size):
             raise too_long(path, first + data.count(b"\n"))
         if data:
             yield Block(data, first)

@@ -16,7 +16,7 @@ from echocal.correct.job import Job
 from echocal.correct.logs import surroundings
 from echocal.correct.rows import Rows
 from echocal.correct.stream import corrected, in_order
-from echocal.correct.text.blocks import Block, begins_with_mark, blocks_of, prelude, refuse_long_lines
+from echocal.correct.text.blocks import Block, begins_with_mark, blocks_of, prelude
 from echocal.correct.text.parse import Lines, Parser
 from echocal.correct.text.write import header_with_results, with_empty, with_results
 from echocal.errors import DataError, UsageError
@@ -48,7 +48,6 @@ class Text:
     """A text file that is corrected."""
 
     def __init__(self, path: Path, job: Job, key: str | None) -> None:
-        refuse_long_lines(path)
         refuse_unstreamed(path, job.reading.layout)
         self.head, layout = resolved(path, job.reading.layout)
         names = self.head.names

@@ -4,13 +4,17 @@ A format is a module with ``NAME``, ``recognizes(lines)`` of the first lines, an
 Delimited text, TOA5 and LabVIEW among it, is read by `echocal.observations.text`.
 """
 
+from collections.abc import Iterator
 from itertools import islice
 from pathlib import Path
+from types import ModuleType
+from typing import TextIO
 
 import pandas as pd
 
 from echocal.observations.found import Found, found_in, keep
 from echocal.observations.layout import Layout, settled
+from echocal.observations.limits import refuse_log_line
 from echocal.observations.readers import (
     bursts,
     cell_units,
@@ -49,6 +53,7 @@ _FORMATS = (
 )
 _STEPS = (ros.step, cell_units.step, long_tables.step, bursts.step, times.step, unit_names.step, repeats.step)
 _FIRST = 200
+_LOOK = 1 << 16  # characters of a line that tell the format; a document of JSON is one line
 
 
 def read(path: Path, layout: Layout, sheet: str | None = None) -> pd.DataFrame | None:
@@ -67,8 +72,8 @@ def read(path: Path, layout: Layout, sheet: str | None = None) -> pd.DataFrame |
     from echocal.observations.text import below
 
     with below(path, settled(path, layout), layout.skip_lines) as file:
-        log = form.read([plain(line.rstrip("\r\n")) for line in file], str(path))
-    table = log.table()
+        log = form.read(list(_lines(file, form, path)), str(path))
+    table = log.table(str(path))
     found = Found(
         form.NAME,
         log.units,
@@ -80,6 +85,13 @@ def read(path: Path, layout: Layout, sheet: str | None = None) -> pd.DataFrame |
         log.joined,
     )
     return keep(table, found)
+
+
+def _lines(file: TextIO, form: ModuleType, path: Path) -> Iterator[str]:
+    for number, line in enumerate(file, 1):
+        if form is not json_records:
+            refuse_log_line(line, number, path)
+        yield plain(line.rstrip("\r\n"))
 
 
 def format_of(path: Path, layout: Layout) -> str:
@@ -105,6 +117,7 @@ def _form(path: Path, layout: Layout):  # type: ignore[no-untyped-def]
     from echocal.observations.text import below  # which knows this room
 
     with below(path, settled(path, layout), layout.skip_lines) as file:
-        lines = [plain(line.rstrip("\r\n")) for line in islice(file, _FIRST)]
+        begins = iter(lambda: file.readline(_LOOK), "")
+        lines = [plain(line.rstrip("\r\n")) for line in islice(begins, _FIRST)]
     lines = [line for line in lines if line.strip()]
     return next((form for form in _FORMATS if lines and form.recognizes(lines)), None)
