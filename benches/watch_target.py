@@ -29,7 +29,7 @@ def changes(random: np.random.Generator, changed: str, step: float) -> list[Even
             echo = 2e6 * reading / echocal.speed_of_sound(20.0, law="linear")
             rows.append({"id": name, "tank": "7", "time": str(time), "echo_us": echo, "temperature_C": 20.0})
     model, settings = echocal.Model("linear"), WatchSettings(learn=200)
-    watch = Fleet(lambda _: model, "id", Reference(target="tank"), settings, State(None))
+    watch = Fleet(lambda _: model, "id", Reference(same_target="tank"), settings, State(None))
     return [event for event in watch.take(rows)[1] if event.kind == "change"]
 
 

@@ -296,6 +296,7 @@ CALLS: dict[str, Callable[[], Call]] = {
     "spread": lambda: Call(_core.spread, [column()]),
     "Lines.of": lambda: Call(_core.Lines.of, [b"1,2\n3,4\n", False]),
     "Lines.numbers": lambda: Call(lines(b"1,2\n3,4\n").numbers, [[0], 2, 44, 46, [b""]]),
+    "Lines.texts": lambda: Call(lines(b'1,a\n3,"b"\n').texts, [[0, 1], 2, 44]),
     "Lines.with_results": lambda: Call(
         lines(b"1\n" * ROWS).with_results,
         [column(), column().astype(np.float32), guard(np.zeros(ROWS, np.int16)), [b"\n"], b",", 46, True],

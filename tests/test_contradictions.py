@@ -16,11 +16,11 @@ def test_a_distance_that_the_table_denies_is_refused(random: np.random.Generator
     table = {"reading_m": 2 + random.normal(0, 1e-3, 60), "temperature_C": np.linspace(5, 30, 60)}
     table["target_m"] = np.full(60, 2.0)
     columns = {"target_m": "distance_m"}
-    said = "--reference-distance says 1 m, and column 'target_m' says 2 m at row 1 .60 of 60 rows"
+    said = "reference_distance says 1 m, and column 'target_m' says 2 m at row 1 .60 of 60 rows"
     with pytest.raises(UsageError, match=said):
         echocal.diagnose(table, columns=columns, reference_distance=1.0)
     assert echocal.diagnose(table, columns=columns, reference_distance=2.01).verdict
-    with pytest.raises(UsageError, match='--column "target_m=ignore"'):
+    with pytest.raises(UsageError, match=r"columns=\{'target_m': 'ignore'\}"):
         echocal.diagnose(table, columns=columns, reference_distance=1.0)
     assert echocal.diagnose(table, columns={"target_m": "ignore"}, reference_distance=1.9).verdict
 

@@ -132,7 +132,7 @@ def test_rows_of_several_sensors_are_no_log(
     [
         ({}, "give one model"),
         ({"models": "absent", "by": "sensor_id"}, "is no folder of models"),
-        ({"models": "."}, "needs --by COLUMN"),
+        ({"models": "."}, "needs by='COLUMN'"),
         ({"model": model_of(0.0), "memory": "much"}, "is no amount of memory"),
         ({"model": model_of(0.0), "memory": "10MB"}, "too little"),
         ({"model": model_of(0.0), "round_mm": 0.0}, "is no step"),
@@ -228,7 +228,7 @@ def test_a_log_of_a_key_may_lie_in_several_files(
         np.testing.assert_array_equal(np.concatenate(found), wanted)
     told = correct_files(tmp_path / "rows", tmp_path / "c", models=models, by="sensor_id").set_aside
     assert len(told) == 3
-    assert all("a log may have several files" in why and "--logs file" in why for why in told.values())
+    assert all("a log may have several files" in why and "logs='file'" in why for why in told.values())
 
 
 @pytest.mark.slow

@@ -133,7 +133,7 @@ def test_files_of_a_model_that_depends_on_rows_must_be_told(
     (tmp_path / "in").mkdir()
     for part, rows in enumerate(np.split(np.arange(ROWS), 2)):
         table.iloc[rows].to_parquet(tmp_path / "in" / f"{part}.parquet")
-    with pytest.raises(echocal.UsageError, match=r"depends on the other rows.*--logs all, --logs file"):
+    with pytest.raises(echocal.UsageError, match=r"depends on the other rows.*logs='all', logs='file'"):
         correct_files(tmp_path / "in", tmp_path / "out", MODELS[name])
     correct_files(tmp_path / "in", tmp_path / "out", MODELS[name], logs="file")
     same(results(tmp_path / "out" / "1.parquet"), expected(table.iloc[350:], MODELS[name]))
@@ -145,7 +145,7 @@ def test_files_that_overlap_in_time_are_no_log(table: pd.DataFrame, tmp_path: Pa
         table.iloc[part::2].to_parquet(tmp_path / "in" / f"{part}.parquet")
     summary = correct_files(tmp_path / "in", tmp_path / "out", LAG, logs="all")
     assert len(summary.set_aside) == 2
-    assert all("begins before" in why and "--logs file" in why for why in summary.set_aside.values())
+    assert all("begins before" in why and "logs='file'" in why for why in summary.set_aside.values())
 
 
 @pytest.mark.parametrize(("ending", "size", "threads"), [("\n", 3000, 3), ("\r\n", 300, 1), ("\n", 10**7, 1)])

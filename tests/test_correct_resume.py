@@ -110,9 +110,9 @@ def test_an_output_that_is_not_whole_is_made_again(
 
 def test_another_model_is_refused(logs: Path, whole: dict[str, bytes], tmp_path: Path) -> None:
     out = tmp_path / "whole"
-    with pytest.raises(echocal.UsageError, match=r"begun with another model; .*--force"):
+    with pytest.raises(echocal.UsageError, match=r"begun with another model; .*force=True"):
         correct_files(logs, out, OTHER)
-    with pytest.raises(echocal.UsageError, match=r"begun with other options; .*--force"):
+    with pytest.raises(echocal.UsageError, match=r"begun with other options; .*force=True"):
         correct_files(logs, out, MODEL, reading_speed="343")
     assert contents(out) == whole
     assert correct_files(logs, out, OTHER, force=True).skipped == 0

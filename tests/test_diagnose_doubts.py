@@ -21,11 +21,11 @@ def table(random: np.random.Generator, speed: float) -> pd.DataFrame:
 @pytest.mark.parametrize(("true", "stated"), [(331.4, 343.0), (340.0, 344.8)])
 def test_a_wrong_speed_is_asked_for(random: np.random.Generator, true: float, stated: float) -> None:
     found = echocal.diagnose(table(random, true), reading_speed=stated)
-    (note,) = (note for note in found.notes if "--reading-speed" in note)
+    (note,) = (note for note in found.notes if "give it with reading_speed" in note)
     assert float(note.split("converts with ")[1].split(" ")[0]) == pytest.approx(true, abs=0.5)
     assert found.model.effects
     right = echocal.diagnose(table(random, true), reading_speed=true)
-    assert not any("--reading-speed" in note for note in right.notes)
+    assert not any("give it with reading_speed" in note for note in right.notes)
 
 
 @pytest.mark.statistical
@@ -34,4 +34,4 @@ def test_recorded_echo_times_have_no_reading_speed(random: np.random.Generator) 
     rows["echo_us"] = rows.pop("reading_m") * 1.02 * 2e6 / 343.0
     found = echocal.diagnose(rows)
     assert found.model.effects
-    assert not any("--reading-speed" in note for note in found.notes)
+    assert not any("give it with reading_speed" in note for note in found.notes)

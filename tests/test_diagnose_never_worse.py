@@ -228,7 +228,7 @@ def test_echo_times_know_no_firmware_whatever_the_readings_beside_them(random: n
         diagnosis = echocal.diagnose(given)
         check(diagnosis, diagnosis.explain())
     (note,) = [note for note in diagnosis.notes if "has readings and echo times" in note]
-    assert '--column "echo_us=ignore"' in note
+    assert "columns={'echo_us': 'ignore'}" in note
     readings = echocal.diagnose(both, columns={"echo_us": "ignore"})
     assert "fixed_speed" in readings.model.effects
     asked = echocal.diagnose(table, base=343.0)  # a simulation of a device that knows no temperature

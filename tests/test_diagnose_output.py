@@ -172,7 +172,7 @@ def test_bad_requests_are_one_line(
 
 def test_a_table_without_reference_says_what_to_do() -> None:
     data = {"reading_m": np.ones(20), "temperature_C": np.arange(20.0)}
-    with pytest.raises(echocal.UsageError, match="--constant-distance"):
+    with pytest.raises(echocal.UsageError, match="constant_distance=True"):
         echocal.diagnose(data)
 
 

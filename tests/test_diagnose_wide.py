@@ -72,7 +72,7 @@ def test_what_follows_one_of_many_columns_is_found(
     assert f"{count} of the {able} further columns" in note
     assert "smooth curve" in note
     assert f"{able - count - 8} more" in note
-    assert '--column "NAME=ignore"' in note
+    assert "columns={'NAME': 'ignore'}" in note
     assert name not in note.partition("Not searched: ")[2].partition(". To ")[0].split(", ")
 
 

@@ -133,7 +133,9 @@ def test_error_codes_by_column_and_for_all() -> None:
 
 def test_an_unnamed_error_code_is_pointed_out() -> None:
     data = echocal.read_observations({"reading_mm": [1171.0, 9999.0, 1170.0]}, reading_speed="343")
-    assert 'reading_mm holds 9999 in 1 row; if it is an error code: --missing "reading_mm=9999"' in data.notes
+    assert (
+        "reading_mm holds 9999 in 1 row; if it is an error code: missing={'reading_mm': 9999}" in data.notes
+    )
 
 
 @pytest.mark.parametrize(
@@ -191,7 +193,7 @@ def test_require_names_what_is_missing() -> None:
         data.require("diagnosis", rows=5)
     with pytest.raises(echocal.DataError, match="needs a column for temperature; accepted: temperature_C, "):
         data.require("diagnosis", conditions=["temperature"])
-    with pytest.raises(echocal.DataError, match=r"reference distance; accepted: distance_m, .*--column"):
+    with pytest.raises(echocal.DataError, match=r"reference distance; accepted: distance_m, .*columns="):
         data.require("verification", reference_distance=True)
 
 

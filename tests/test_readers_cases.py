@@ -47,7 +47,7 @@ def test_a_distance_that_timed_out_is_a_row() -> None:
     assert data.unusable.tolist() == ["", "", "", "no echo", "", "", "", "no echo", "", ""]
     assert data.reading[data.usable] == pytest.approx([0.71, 0.71, 0.711, 0.709, 0.711, 0.717, 0.706, 0.711])
     assert data.conditions["elapsed_time"].tolist() == list(range(10))
-    assert any("--reading-speed 343" in note for note in data.notes)
+    assert any("reading_speed=343" in note for note in data.notes)
 
 
 def test_a_printed_tuple_has_its_lost_echoes() -> None:

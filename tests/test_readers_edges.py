@@ -31,7 +31,7 @@ def test_the_hour_that_comes_twice_is_told_by_the_order_of_rows() -> None:
 
 def test_a_clock_that_is_not_changed_stays_refused() -> None:
     local = ["01:40", "02:00", "02:20", "02:40", "03:00", "03:20"]
-    with pytest.raises(DataError, match=r"clock change skips or repeats.*--time-zone Etc/GMT-1"):
+    with pytest.raises(DataError, match=r"clock change skips or repeats.*time_zone='Etc/GMT-1'"):
         _times([f"2024-10-27T{clock}" for clock in local], time_zone="Europe/Copenhagen")
 
 
@@ -53,7 +53,7 @@ def test_dates_as_people_write_them(written: str, read: str) -> None:
 
 def test_day_and_month_that_cannot_be_told_apart_are_asked_for() -> None:
     texts = ["03/04/2024 10:00", "03/04/2024 11:00"]
-    with pytest.raises(DataError, match=r'--time-format "%d/%m/%Y %H:%M:%S" or "%m/%d/%Y'):
+    with pytest.raises(DataError, match=r"time_format='%d/%m/%Y %H:%M:%S' or time_format='%m/%d/%Y"):
         _times(texts)
     assert _times(texts, time_format="%d/%m/%Y %H:%M")[0] == np.datetime64("2024-04-03T10:00")
     with pytest.raises(DataError, match="not written as"):
@@ -215,9 +215,9 @@ def test_a_log_on_stdin(shell: Run, random: np.random.Generator, monkeypatch: py
 @pytest.mark.parametrize(
     ("table", "message"),
     [
-        ({"distance_cm": [100.0] * 3, "temperature_C": [20.0] * 3}, '--column "distance_cm=reading_cm"'),
+        ({"distance_cm": [100.0] * 3, "temperature_C": [20.0] * 3}, "columns={'distance_cm': 'reading_cm'}"),
         ({"Range (yd)": [3.1] * 3, "temperature_C": [20.0] * 3}, "a unit that echocal does not convert"),
-        ({"level [m]": [1.2, 1.3, 1.25], "temperature_C": [20.0] * 3}, '--column "level [m]=reading_m"'),
+        ({"level [m]": [1.2, 1.3, 1.25], "temperature_C": [20.0] * 3}, "columns={'level [m]': 'reading_m'}"),
     ],
 )
 def test_what_may_be_two_things_is_asked_for(table: dict[str, list[float]], message: str) -> None:
@@ -242,4 +242,4 @@ def test_a_column_with_gaps_that_nobody_asked_for_costs_no_row() -> None:
     data = echocal.read_observations(table)
     assert data.usable.all()
     assert "pressure" not in data.conditions
-    assert any('to use it: --column "Pressure (hPa)=pressure_hPa"' in note for note in data.notes)
+    assert any("to use it: columns={'Pressure (hPa)': 'pressure_hPa'}" in note for note in data.notes)

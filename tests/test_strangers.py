@@ -66,7 +66,7 @@ def test_several_sensors_are_told(random: np.random.Generator) -> None:
     both = pd.concat([table(random).assign(sensor_id=name) for name in "AB"], ignore_index=True)
     said = " ".join(echocal.diagnose(both).notes)
     assert "column 'sensor_id' has 2 values (A, B), which may be as many sensors" in said
-    assert '--by "sensor_id"' in said
+    assert "by='sensor_id'" in said
     said = " ".join(echocal.diagnose(both, columns={"sensor_id": "extra"}).notes)
     assert "may be as many sensors" not in said
 

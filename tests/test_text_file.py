@@ -16,7 +16,7 @@ import pytest
 from test_watch_dialects import corrected, text, watched
 
 import echocal
-from echocal.correct import correct_file
+from echocal.correct import correct_files
 
 Run = Callable[..., tuple[int, str]]
 DELAY = 31e-6
@@ -85,7 +85,7 @@ def test_a_correction_opens_a_file_three_times(
     path = tmp_path / "log.csv"
     path.write_text(text(random))
     with counted(path) as opens:
-        correct_file(path, tmp_path / f"out.{end}", MODEL)
+        correct_files(path, tmp_path / f"out.{end}", MODEL)
         assert opens() <= most
 
 

@@ -10,7 +10,7 @@ import pytest
 from watched import START, WAIT, csv, log
 
 import echocal
-from echocal.correct import correct_file
+from echocal.correct import correct_files
 from echocal.watch import Event, Fleet, Reference, State, WatchSettings
 
 DEVICE = echocal.Model("linear")
@@ -65,7 +65,7 @@ def _named_after_a_change(rows: list[dict[str, Any]]) -> tuple[set[str], bool]:
 def test_corrections_are_those_of_correct(random: np.random.Generator, tmp_path: Path) -> None:
     rows = log(random, 50)
     (tmp_path / "a.csv").write_text(csv(rows))
-    correct_file(tmp_path / "a.csv", tmp_path / "b.csv", DEVICE)
+    correct_files(tmp_path / "a.csv", tmp_path / "b.csv", DEVICE)
     whole = pd.read_csv(tmp_path / "b.csv")["corrected_distance_m"]
     done, _ = taken(fleet(), rows, 7)
     assert [row["corrected_distance_m"] for row in done] == np.round(whole, 9).tolist()
@@ -78,7 +78,7 @@ def test_the_reason_of_a_row_does_not_depend_on_its_batch(field: dict[str, str])
     model = echocal.Model("linear", {"temperature_lag": {"time_constant": 120.0}})  # which needs the time
 
     def reasons(size: int) -> list[str]:
-        watch = Fleet(lambda _: model, None, Reference(none=True), WatchSettings(), State(None))
+        watch = Fleet(lambda _: model, None, Reference(correct_only=True), WatchSettings(), State(None))
         return [row["status"] for row in taken(watch, rows, size)[0]]
 
     (alone,) = {reason for reason in reasons(1) if reason}
@@ -175,7 +175,7 @@ def test_an_unknown_but_constant_distance_is_watched(random: np.random.Generator
     for row, reading in zip(rows, level.tolist(), strict=True):
         row["echo_us"] = repr(2e6 * reading / (331.4 + 0.6 * float(row["temperature_C"])))
         del row["distance_m"]
-    _, events = taken(fleet(None, Reference(constant=True)), rows)
+    _, events = taken(fleet(None, Reference(constant_distance=True)), rows)
     change = next(event for event in events if event.kind == "change")
     assert "the target may have moved" in change.sentence
     assert change.row >= 301
@@ -203,7 +203,7 @@ def test_sensors_of_one_target_watch_each_other(changed: str, random: np.random.
 
     The other two see half of its change each. In 8 of 30 draws both were told, and it was not.
     """
-    _, events = taken(fleet(None, Reference(target="tank"), by="id"), one_target(random, changed))
+    _, events = taken(fleet(None, Reference(same_target="tank"), by="id"), one_target(random, changed))
     changes = [event for event in events if event.kind == "change"]
     assert changes[0].details["moved_farthest"] == changed
     for event in changes[:2]:
@@ -218,12 +218,12 @@ def test_sensors_of_one_target_in_batches_and_after_a_stop(
     random: np.random.Generator, tmp_path: Path
 ) -> None:
     rows = one_target(random, "b")
-    _, whole = taken(fleet(None, Reference(target="tank"), by="id"), rows)
+    _, whole = taken(fleet(None, Reference(same_target="tank"), by="id"), rows)
     state = tmp_path / "watch.db"
     parts: list[Event] = []
     cut = int(random.integers(700, 1200))
     for some, most in ((rows[:cut], 50), (rows[cut:], 7)):
-        watch = fleet(state, Reference(target="tank"), by="id")
+        watch = fleet(state, Reference(same_target="tank"), by="id")
         parts += taken(watch, some, most)[1]
         watch.state.close()
     told = [event.to_dict() for event in whole if event.kind == "change"]
@@ -234,7 +234,7 @@ def test_sensors_of_one_target_in_batches_and_after_a_stop(
 @pytest.mark.statistical
 def test_two_sensors_cannot_tell_which_has_moved(random: np.random.Generator) -> None:
     rows = [row for row in one_target(random, "b") if row["id"] != "c"]
-    _, events = taken(fleet(None, Reference(target="tank"), by="id"), rows)
+    _, events = taken(fleet(None, Reference(same_target="tank"), by="id"), rows)
     change = next(event for event in events if event.kind == "change")
     assert change.details["moved_farthest"] is None
     assert "another sensor of the target may have changed instead" in change.sentence
@@ -253,10 +253,10 @@ def test_a_drift_that_was_told_is_not_told_every_day(random: np.random.Generator
 @pytest.mark.parametrize(
     ("rows", "reference", "says"),
     [
-        ({"time_s": 0}, Reference(), "no row has a reference distance.*--constant-distance"),
-        ({"distance_m": 2}, Reference(), "no row has a time.*--interval"),
+        ({"time_s": 0}, Reference(), "no row has a reference distance.*constant_distance=True"),
+        ({"distance_m": 2}, Reference(), "no row has a time.*interval in s"),
         ({"time_s": 0, "distance_m": 2, "status": ""}, Reference(), "corrected before"),
-        ({"time_s": 0}, Reference(target="tank"), "--same-target: no row has a column 'tank'"),
+        ({"time_s": 0}, Reference(same_target="tank"), "same_target: no row has a column 'tank'"),
     ],
 )
 def test_what_cannot_be_tested_is_refused(rows: dict[str, Any], reference: Reference, says: str) -> None:
@@ -265,14 +265,14 @@ def test_what_cannot_be_tested_is_refused(rows: dict[str, Any], reference: Refer
 
 
 def test_rows_without_reference_are_corrected_on_request() -> None:
-    done, events = taken(fleet(None, Reference(none=True)), [{"echo_us": 11660, "temperature_C": 20}])
+    done, events = taken(fleet(None, Reference(correct_only=True)), [{"echo_us": 11660, "temperature_C": 20}])
     assert done[0]["corrected_distance_m"] == pytest.approx(2.002, abs=1e-3)
     assert events == []
 
 
 def test_models_that_need_later_rows_are_refused() -> None:
     model = echocal.Model("linear", {"temperature_timestamp_shift": {"weight": 1.0, "rows": 2.0}})
-    watch = Fleet(lambda _: model, None, Reference(none=True), WatchSettings(), State(None))
+    watch = Fleet(lambda _: model, None, Reference(correct_only=True), WatchSettings(), State(None))
     with pytest.raises(echocal.DataError, match="known of a whole table only"):
         watch.take([{"echo_us": 11660, "temperature_C": 20}])
 
@@ -280,7 +280,9 @@ def test_models_that_need_later_rows_are_refused() -> None:
 def test_of_a_fleet_only_the_sensor_with_such_a_model_is_not_watched() -> None:
     late = echocal.Model("linear", {"temperature_self_heating": {"rise": 1.0, "time_constant": 600.0}})
     models = {"a": late, "b": echocal.Model("linear")}
-    watch = Fleet(models.get, "id", Reference(none=True), WatchSettings(), State(None), own_models=True)
+    watch = Fleet(
+        models.get, "id", Reference(correct_only=True), WatchSettings(), State(None), own_models=True
+    )
     row = {"echo_us": 11660, "temperature_C": 20}
     done, events = taken(watch, [{"id": "a", **row}, {"id": "b", **row}])
     assert [event.sensor for event in events if "known of a whole table only" in event.sentence] == ["a"]
@@ -310,7 +312,7 @@ def test_a_lag_reads_the_rows_before(random: np.random.Generator) -> None:
     """The rate of a watched row is that of the last row of a table that ends with it."""
     model = echocal.Model("linear", {"temperature_lag": {"time_constant": 120.0}})
     rows = log(random, 30)
-    watch = Fleet(lambda _: model, None, Reference(none=True), WatchSettings(), State(None))
+    watch = Fleet(lambda _: model, None, Reference(correct_only=True), WatchSettings(), State(None))
     done, _ = taken(watch, rows, 4)
     for end in (2, 9, 30):
         table = {name: [row[name] for row in rows[:end]] for name in rows[0]}

@@ -90,7 +90,7 @@ def by_fleet(
 
     def fleet() -> Fleet:
         settings = WatchSettings(learn=100, fewest=10**6)
-        reference = more.get("reference", Reference(none=True))
+        reference = more.get("reference", Reference(correct_only=True))
         return Fleet(lambda _: model, None, reference, settings, State(state))
 
     rows = table.to_dict("records")

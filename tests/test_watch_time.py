@@ -295,7 +295,7 @@ def test_two_devices_taken_for_one_are_told(random: np.random.Generator, tmp_pat
     _, events = three_ways(rows, random, tmp_path)
     ignored = [event for event in events if event["event"] == "ignored"]
     assert ignored[-1]["rows"] >= 64
-    assert "--by" in ignored[-1]["sentence"]
+    assert "by='COLUMN'" in ignored[-1]["sentence"]
 
 
 def test_a_clock_that_stands_still_is_told(random: np.random.Generator, tmp_path: Path) -> None:

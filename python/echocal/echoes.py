@@ -9,6 +9,7 @@ from typing import Any
 from echocal import _core
 from echocal.codes import EchoCodes, codes_of, count
 from echocal.errors import DomainWarning, UsageError
+from echocal.keywords import keyword
 
 __all__ = ["BLANKING_M", "Accepted", "accepted", "warn_of"]
 
@@ -24,10 +25,6 @@ _LONGEST_US = 35_000.0
 
 _CODES = 65_535  # codes of a uint16_t above 0
 _SLACK = 1e-9  # of a code; an echo time that is a code exactly stays that code
-
-_TICK = "--echo-lsb-us, EchoCodes(lsb)"
-_DISTANCE = "--max-distance-m, max_distance"
-_MIN = "--echo-min-us, EchoCodes(shortest=...)"
 
 Echo = float | EchoCodes | tuple[float, ...] | None
 
@@ -115,7 +112,8 @@ def _most(tick: float) -> float:
     code = min(_CODES, math.floor(_LONGEST_US / tick + _SLACK))
     if code < 1:
         message = (
-            f"a tick of {tick:g} us is longer than any echo, {_LONGEST_US:g} us: give a finer one ({_TICK})"
+            f"a tick of {tick:g} us is longer than any echo, {_LONGEST_US:g} us: give a finer one "
+            f"({keyword('lsb')})"
         )
         raise UsageError(message)
     return tick * code
@@ -155,14 +153,11 @@ def _last(latest: list[float], tick: float, most: float, distances: list[float])
     reach = BLANKING_M + (largest - BLANKING_M) * (most - latest[0]) / (far - latest[0])
     if tick * _CODES < _LONGEST_US:
         why = (
-            f"a 16-bit timer with a tick of {tick:g} us ends there; a coarser tick ({_TICK}) or a shorter "
-            f"distance ({_DISTANCE}) mends that"
+            f"a 16-bit timer with a tick of {tick:g} us ends there; a coarser tick ({keyword('lsb')}) or a "
+            f"shorter distance ({keyword('max_distance')}) mends that"
         )
     else:
-        why = (
-            f"{_TIMEOUT} must not be returned as a distance; --echo-max-us, in Python echo=, accepts longer "
-            "ones"
-        )
+        why = f"{_TIMEOUT} must not be returned as a distance; {keyword('longest')} accepts longer ones"
     return most, (
         f"echo times end at {most:g} us, before the requested largest distance: the echo from {largest:g} m "
         f"takes up to {far:.0f} us, and all are accepted up to {math.floor(reach * 100) / 100:g} m; {why}"
@@ -172,15 +167,15 @@ def _last(latest: list[float], tick: float, most: float, distances: list[float])
 def _ends_early(longest: float, first: float) -> str:
     return (
         f"echo max {longest:g} us ends before the echo from {BLANKING_M:g} m, the nearest that an HC-SR04 "
-        f"measures, {first:g} us: give the echo min, too ({_MIN})"
+        f"measures, {first:g} us: give the echo min, too ({keyword('shortest')})"
     )
 
 
 def _too_late(first: float, last: float, cut: str | None) -> str:
     """Explain why a requested echo min leaves nothing below the default echo max."""
-    end = (
-        cut
-        or f"the echo from the largest distance, {last:g} us, is the longest that is accepted ({_DISTANCE})"
+    end = cut or (
+        f"the echo from the largest distance, {last:g} us, is the longest that is accepted "
+        f"({keyword('max_distance')})"
     )
     return f"echo min {first:g} us leaves no echo: give a shorter one, or an echo max; {end}"
 
@@ -192,12 +187,12 @@ def _no_room(tick: float, largest: float, cut: str | None) -> str:
     if largest < BLANKING_M:
         return (
             f"the largest distance, {largest:g} m, is nearer than {BLANKING_M:g} m, the blanking distance of "
-            f"an HC-SR04: give a larger one ({_DISTANCE}) or, of a sensor that measures nearer, the echo min "
-            f"({_MIN})"
+            f"an HC-SR04: give a larger one ({keyword('max_distance')}) or, of a sensor that measures "
+            f"nearer, the echo min ({keyword('shortest')})"
         )
     return (
         f"a tick of {tick:g} us is too coarse: the echoes from {BLANKING_M:g} m to {largest:g} m are a "
-        f"single code; give a finer one ({_TICK})"
+        f"single code; give a finer one ({keyword('lsb')})"
     )
 
 

@@ -3,7 +3,6 @@
 import itertools
 import json
 import os
-import shlex
 import warnings
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
@@ -19,6 +18,7 @@ from echocal.codes import EchoCodes, HumidityCodes, TemperatureCodes, codes_of, 
 from echocal.conditions import columns
 from echocal.domain import describe
 from echocal.errors import BoundError, DomainWarning, UsageError
+from echocal.keywords import command_line
 from echocal.model import Model
 from echocal.model.needs import assumed
 from echocal.model.origin import diagnosed
@@ -278,7 +278,7 @@ def generate(
     }
     times = echoes.accepted(model._core, request, echo)
     request["echo"] = times.codes
-    request["command"] = _command(request, model_name, assume) + (" --measure" if measure else "")
+    request["command"] = _command(request, model_name, assume, measure)
     try:
         core = _core.design_firmware(model._core, request, progress)
     except BoundError as error:
@@ -356,43 +356,39 @@ def _numbers(codes: TemperatureCodes | HumidityCodes) -> tuple[float, float, flo
     return float(codes.lsb), float(codes.low), float(codes.high), float(codes.zero)
 
 
-def _number(value: float) -> str:
-    return f"{value:.12g}"
-
-
 def _threads(wanted: int | None) -> int:
     return count("n_threads", (os.cpu_count() or 1) if wanted is None else wanted, _MOST_THREADS, least=1)
 
 
-def _command(request: Mapping[str, Any], model_name: str, assume: Mapping[str, float]) -> str:
+def _command(request: Mapping[str, Any], model_name: str, assume: Mapping[str, float], measure: bool) -> str:
     """Return the command line that makes the same files again."""
-    lsb, low, high, zero = request["temperature"]
-    words = [
-        "echocal",
+    tick, shortest, longest = request["echo"]
+    package, unit = request["package"], request["output_unit"]
+    return command_line(
         "firmware",
         model_name,
-        "--target",
-        request["target"],
-        "--temperature-lsb",
-        _number(lsb),
-    ]
-    words += [f"--temperature-range={_number(low)}:{_number(high)}"]
-    words += [f"--temperature-zero={_number(zero)}"] if zero else []
-    if request["humidity"]:
-        lsb, low, high, zero = request["humidity"]
-        words += ["--humidity-lsb", _number(lsb), f"--humidity-range={_number(low)}:{_number(high)}"]
-        words += [f"--humidity-zero={_number(zero)}"] if zero else []
-    tick, shortest, longest = request["echo"]
-    words += ["--echo-lsb-us", _number(tick)] if tick != 1.0 else []
-    words += ["--echo-min-us", _number(shortest), "--echo-max-us", _number(longest)]
-    words += ["--max-error-mm", _number(request["maximum_error"] * 1e3)]
-    words += ["--output-unit", request["output_unit"]] if request["output_unit"] != "um" else []
-    words += ["--max-distance-m", _number(request["maximum_distance"]), "--prefer", request["prefer"]]
-    words += ["--form", request["form"]] if request["form"] else []
-    words += ["--max-table-bytes", str(request["maximum_table"])]
-    words += ["--package", request["package"]] if request["package"] != "c" else []
-    for effect in request["accept"]:
-        words += ["--accept", effect]
-    for name, value in sorted(assume.items()):
-        words += ["--assume", f"{name}={_number(value)}"]
-    return shlex.join(words)
+        target=request["target"],
+        **_codes("temperature", request["temperature"]),
+        **_codes("humidity", request["humidity"]),
+        echo_lsb_us=None if tick == 1.0 else tick,
+        echo_min_us=shortest,
+        echo_max_us=longest,
+        max_error_mm=request["maximum_error"] * 1e3,
+        output_unit=None if unit == "um" else unit,
+        max_distance_m=request["maximum_distance"],
+        prefer=request["prefer"],
+        form=request["form"] or None,
+        max_table_bytes=request["maximum_table"],
+        package=None if package == "c" else package,
+        accept=request["accept"],
+        assume=[f"{name}={value:.12g}" for name, value in sorted(assume.items())],
+        measure=measure,
+    )
+
+
+def _codes(name: str, codes: tuple[float, float, float, float] | None) -> dict[str, Any]:
+    """Options of the codes of a quantity; none if it is not measured."""
+    if codes is None:
+        return {}
+    lsb, low, high, zero = codes
+    return {f"{name}_lsb": lsb, f"{name}_range": f"{low:.12g}:{high:.12g}", f"{name}_zero": zero or None}

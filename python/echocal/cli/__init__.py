@@ -13,6 +13,7 @@ from echocal._core import __version__
 from echocal._interrupt import unwind_when_told
 from echocal.cli._terminal import visible, write_what_can_be_written
 from echocal.errors import DataError, EchocalError
+from echocal.keywords import naming
 
 __all__ = ["COMMANDS", "app", "main"]
 
@@ -39,12 +40,16 @@ class _Commands(TyperGroup):
             command = single
         loaded = typer.main.get_command(command)
         loaded.name = cmd_name
+        if ctx is not None and ctx.obj is not None:
+            ctx.obj |= {one.name: one.opts[0] for one in loaded.params if one.opts[0].startswith("--")}
         return loaded
 
     def invoke(self, ctx: Any) -> Any:
         """Run a command; what its options and arguments are told wrong is shown, and steers no terminal."""
+        ctx.obj = {}
         try:
-            return super().invoke(ctx)
+            with naming(ctx.obj):
+                return super().invoke(ctx)
         except Exception as error:
             if isinstance(told := getattr(error, "message", None), str):
                 error.message = visible(told)  # type: ignore[attr-defined]

@@ -30,7 +30,8 @@ def _take(context: typer.Context, path: Path | None) -> Path | None:
     """Make the values of the file the defaults of the command."""
     _file.set(path)
     if path is not None and not context.resilient_parsing:
-        values = _read(path)
+        names = {flag.removeprefix("--"): own.name for own in context.command.params for flag in own.opts}
+        values = {names[option]: value for option, value in _read(path).items() if option in names}
         context.meta[_KEY] = values
         context.default_map = {**(context.default_map or {}), **values}
     return path
@@ -93,7 +94,7 @@ def _read(path: Path) -> dict[str, Any]:
         if option not in KNOWN:
             message = f"options file {path}: unknown option '{name}'; there are {', '.join(sorted(KNOWN))}"
             raise UsageError(message)
-        values[option.replace("-", "_")] = _plain(path, option, value)
+        values[option] = _plain(path, option, value)
     return values
 
 

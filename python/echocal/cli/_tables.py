@@ -94,7 +94,7 @@ Quiet: TypeAlias = Annotated[bool, typer.Option("--quiet", "-q", help="Print not
 
 
 _FLAGS = {
-    "column": Columns,
+    "columns": Columns,
     "missing": Missing,
     "trust": Trust,
     "reading_speed": ReadingSpeed,
@@ -186,13 +186,13 @@ def reading_options(*, sheet: bool = True) -> Callable[[Callable[..., None]], Ca
     return decorate
 
 
-def _given(*, column: Any, missing: Any, trust: Any, at: Any, options: Path | None, **others: Any) -> Given:
+def _given(*, columns: Any, missing: Any, trust: Any, at: Any, options: Path | None, **others: Any) -> Given:
     return Given(
-        columns=column_requests(column),
+        columns=column_requests(columns),
         missing=error_codes(missing),
         trust=trust or (),
         at=conditions(at),
-        files=(*toml_files(column), *map(str, filter(None, [options]))),
+        files=(*toml_files(columns), *map(str, filter(None, [options]))),
         **{name: value for name, value in others.items() if value is not None},
     )
 

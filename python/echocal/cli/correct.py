@@ -23,8 +23,7 @@ from echocal.cli._tables import (
     write_json,
 )
 from echocal.correct import Summary, correct_files
-from echocal.correct.files import refuse_ending
-from echocal.correct.inputs import Inputs, find_inputs
+from echocal.correct.inputs import Inputs, find_inputs, refuse_ending
 from echocal.correct.manifest import FOLDER
 from echocal.correct.said import sentences
 from echocal.errors import DataError, UsageError
@@ -75,10 +74,12 @@ def command(
             help="Mark rows that are as those which the diagnosis of the model left out.",
         ),
     ] = True,
-    uncertainty: Annotated[
+    uncertainties: Annotated[
         list[str] | None,
         typer.Option(
-            metavar="NAME=U", help="Standard uncertainty of a value: temperature_C=0.5, echo_us=10, ..."
+            "--uncertainty",
+            metavar="NAME=U",
+            help="Standard uncertainty of a value: temperature_C=0.5, echo_us=10, ...",
         ),
     ] = None,
     append_only: Annotated[
@@ -126,7 +127,7 @@ def command(
             correction,
             models=models,
             by=by,
-            uncertainties=uncertainty or (),
+            uncertainties=uncertainties or (),
             logs=logs,
             append_only=None if append_only is None else [n.strip() for n in append_only.split(",") if n],
             round_mm=round_mm,

@@ -54,17 +54,23 @@ def command(
         str | None, option("Accepted relative humidities, LOW:HIGH [1]; default: 0:1.")
     ] = None,
     humidity_zero: Annotated[float, option("Relative humidity of code 0 [1].")] = 0.0,
-    echo_lsb_us: Annotated[float, option("Tick of the timer [us].")] = 1.0,
-    echo_min_us: Annotated[
+    lsb: Annotated[float, option("Tick of the timer [us].", "--echo-lsb-us")] = 1.0,
+    shortest: Annotated[
         float | None,
-        option(f"Shortest accepted echo time [us]; default: the echo from {BLANKING_M * 1e3:g} mm."),
+        option(
+            f"Shortest accepted echo time [us]; default: the echo from {BLANKING_M * 1e3:g} mm.",
+            "--echo-min-us",
+        ),
     ] = None,
-    echo_max_us: Annotated[
-        float | None, option("Longest accepted echo time [us]; default: the echo from --max-distance-m.")
+    longest: Annotated[
+        float | None,
+        option("Longest accepted echo time [us]; default: the echo from --max-distance-m.", "--echo-max-us"),
     ] = None,
     output_unit: Annotated[str, option("Unit of the output: um, mm or cm.")] = "um",
     max_error_mm: Annotated[float, option("Largest error against the model [mm].")] = 0.5,
-    max_distance_m: Annotated[float, option("Largest distance to which --max-error-mm applies [m].")] = 4.0,
+    max_distance: Annotated[
+        float, option("Largest distance to which --max-error-mm applies [m].", "--max-distance-m")
+    ] = 4.0,
     prefer: Annotated[str | None, option("What to save: size (default) or speed.")] = None,
     form: Annotated[str | None, option("The only form to try.")] = None,
     accept: Annotated[
@@ -104,10 +110,10 @@ def command(
             temperature_lsb, *_range("--temperature-range", temperature_range, "-20:60"), temperature_zero
         ),
         "humidity": _humidity_codes(humidity_lsb, humidity_range, humidity_zero),
-        "echo": EchoCodes(echo_lsb_us, echo_max_us, echo_min_us),
+        "echo": EchoCodes(lsb, longest, shortest),
         "output_unit": output_unit,
         "max_error": max_error_mm * 1e-3,
-        "max_distance": max_distance_m,
+        "max_distance": max_distance,
         "accept": accept or (),
         "assume": dict(_assignment(text) for text in assume or ()),
         "max_table_bytes": max_table_bytes,

@@ -113,10 +113,12 @@ def command(
             help="Mark rows that are as those which the diagnosis of the model left out.",
         ),
     ] = True,
-    uncertainty: Annotated[
+    uncertainties: Annotated[
         list[str] | None,
         typer.Option(
-            metavar="NAME=U", help="Standard uncertainty of a value: temperature_C=0.5, echo_us=10, ..."
+            "--uncertainty",
+            metavar="NAME=U",
+            help="Standard uncertainty of a value: temperature_C=0.5, echo_us=10, ...",
         ),
     ] = None,
     reading: Given = AS_IT_IS,
@@ -131,12 +133,12 @@ def command(
     if dead_letters == "-":
         raise UsageError("--dead-letters needs a file, for stdout has the rows or the events")
     reference = Reference(
-        distance=reference_distance,
-        constant=constant_distance,
-        target=same_target,
+        reference_distance=reference_distance,
+        constant_distance=constant_distance,
+        same_target=same_target,
         within=within,
-        later=reference_later,
-        none=correct_only,
+        reference_later=reference_later,
+        correct_only=correct_only,
     )
     settings = WatchSettings(false_alarms=false_alarms, learn=learn)
     one = None if models is not None else model_of(law, model, effect)
@@ -162,7 +164,7 @@ def command(
             interval,
             own_models=models is not None,
             mark_rows=mark_rows,
-            uncertainties=uncertainty or (),
+            uncertainties=uncertainties or (),
             decimal=reading.decimal,
             mixed=mixed,
         )

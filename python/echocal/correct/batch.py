@@ -7,7 +7,7 @@ from typing import Any
 
 from echocal._core import __version__
 from echocal.correct.driver import Progress, Summary, alone, question_of, run, run_tasks, task_of
-from echocal.correct.inputs import PARQUETS, Inputs, find_inputs, refuse_nested
+from echocal.correct.inputs import PARQUETS, Inputs, find_inputs, refuse_outputs
 from echocal.correct.logs import logs_of
 from echocal.correct.memory import in_bytes
 from echocal.correct.needed import refuse_no_model
@@ -17,6 +17,7 @@ from echocal.engines.checks import check_workers
 from echocal.engines.names import is_elsewhere
 from echocal.engines.processes import Processes
 from echocal.errors import UsageError
+from echocal.keywords import keyword
 from echocal.model import Model
 from echocal.model.folder import ModelFolder
 from echocal.model.plain import to_plain
@@ -133,15 +134,21 @@ def correct_files(
         source, out = (path if is_url(path) else Path(path).absolute() for path in (source, out))
         models = None if models is None else Path(models).absolute()
     inputs, target = find_inputs(source), place_of(out)
-    refuse_nested(inputs, source, target)
+    refuse_outputs(inputs, source, target)
     if (model is None) == (models is None):
-        raise UsageError("give one model (--model), or a folder of models (--models DIR --by COLUMN)")
+        raise UsageError(
+            f"give one model ({keyword('model')}), or a folder of models ({keyword('models', 'DIR')}, "
+            f"{keyword('by', 'COLUMN')})"
+        )
     if model is not None:
         refuse_no_model(model)
     if (models is None) != (by is None) and models is not None:
-        raise UsageError("--models DIR needs --by COLUMN, the column or partition with the key of a row")
+        raise UsageError(
+            f"{keyword('models')} needs {keyword('by', 'COLUMN')}, the column or partition with the key of "
+            "a row"
+        )
     if spreadsheet_safe and inputs.single and target.name.lower().endswith(PARQUETS):
-        raise UsageError("--spreadsheet-safe is for CSV and TSV: no text of Parquet is a formula")
+        raise UsageError(f"{keyword('spreadsheet_safe')} is for CSV and TSV: no text of Parquet is a formula")
     several = len(inputs.files) > 1 and sum(size_of(file.path) for file in inputs.files) > _SMALL
     spread = processes > 1 and (several or engine != "local") and not elsewhere
     limit = in_bytes(memory)
@@ -209,7 +216,7 @@ def job_of(
 ) -> dict[str, Any]:
     """The job of all tasks, as plain data."""
     if round_mm is not None and not round_mm > 0.0:
-        message = f"--round-mm {round_mm:g} is no step; give a positive number of millimeters"
+        message = f"{keyword('round_mm', round_mm)} is no step; give a positive number of millimeters"
         raise UsageError(message)
     stated = reading.uncertainties.stated
     metadata = {"echocal.version": __version__, "echocal.distance_unit": "m"}

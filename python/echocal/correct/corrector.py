@@ -13,12 +13,14 @@ from echocal.correct.rows import Rows, correct_rows, no_distance, whole_log
 from echocal.correct.tables import refuse_corrected
 from echocal.domain import counting
 from echocal.errors import DataError, among
+from echocal.keywords import keyword
 from echocal.model import Model
 from echocal.model.folder import label
 from echocal.model.indicated_speed import speed_of
 from echocal.observations.found import NOT_READ
 from echocal.observations.hints import completed
 from echocal.observations.marks import MARKS
+from echocal.observations.misspelled import naming
 from echocal.observations.numbers import Missing
 from echocal.observations.part import Part, Seen
 from echocal.observations.plan import make
@@ -81,7 +83,9 @@ class Tally:
     def doubtful(self, job: Job) -> bool:
         """Whether the whole columns must be looked at: one may have no value, or be in another unit."""
         apart, known = self.disagreeing
-        looked_at = (seen for seen in self.seen.values() if seen.finite or not job.several)
+        looked_at = (
+            seen for seen in self.seen.values() if seen.finite or seen.damage.count or not job.several
+        )
         return any(seen.doubtful for seen in looked_at) or 2 * apart > known
 
 
@@ -194,7 +198,7 @@ class Corrector:
             message = (
                 f"the model of this sensor has {', '.join(self.remembers)}, which depends on the other rows "
                 f"of a log, and a log may have several files: write one folder for each sensor "
-                f"({self.by}=...), or say that each file is a whole log: --logs file"
+                f"({self.by}=...), or say that each file is a whole log: {keyword('logs', 'file')}"
             )
             raise DataError(message)
         if (self.remembers or self.rows_around) and len(labels) > 1:
@@ -252,7 +256,7 @@ class Corrector:
             groups.append((self._job.models.model(own) or model, slice(at, at + count)))
             at += count
         part = None if whole else Part(context.start, context.derived, counted)
-        with counting() as outside:
+        with naming(self._names), counting() as outside:
             rows = correct_rows(table, model, self._needed[key], self._job.reading, part, groups)
         if self._job.round_m is not None:
             step = self._job.round_m
@@ -274,18 +278,18 @@ class Corrector:
             if (speed := speed_of(model)) != model.law:
                 said.append(
                     f"the readings are taken to be made with the speed '{speed}', as in the diagnosis of the "
-                    "model; if the firmware used another: --reading-speed 343"
+                    f"model; if the firmware used another: {keyword('reading_speed', 343)}"
                 )
             elif not model.effects and model.shape is None:
                 said.append(
                     f"the readings are taken to be made with the law '{model.law}' itself, and the model "
                     "has no effect: the distances are the readings again; if the firmware used a fixed "
-                    "speed, say so: --reading-speed 343"
+                    f"speed, say so: {keyword('reading_speed', 343)}"
                 )
             else:
                 said.append(
                     f"the readings are taken to be made with the speed '{model.law}' of the model; "
-                    "if the firmware used another: --reading-speed 343"
+                    f"if the firmware used another: {keyword('reading_speed', 343)}"
                 )
         return said
 

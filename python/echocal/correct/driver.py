@@ -17,6 +17,7 @@ from echocal.correct.task import RESULT, SCHEMA, run_task
 from echocal.engines import Engine
 from echocal.engines.checks import check_workers
 from echocal.errors import OutputError
+from echocal.keywords import as_here
 from echocal.objects import Object
 from echocal.places import Place, exists, file_digest, place_of, size_of
 
@@ -200,7 +201,8 @@ def run_tasks(
     engine: Engine, tasks: Sequence[Mapping[str, Any]], tell: Callable[[int], None]
 ) -> Iterator[dict[str, Any]]:
     """Results of tasks, as they end; `tell` is told the rows that are done."""
-    for task, result in engine.run(partial(run_task, progress=tell) if engine.inside else run_task, tasks):
+    work = partial(run_task, progress=tell) if engine.inside else as_here(run_task)
+    for task, result in engine.run(work, tasks):
         if result is None:
             yield _died(task)
             continue

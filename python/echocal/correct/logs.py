@@ -14,6 +14,7 @@ from echocal.correct.inputs import Inputs, Source
 from echocal.correct.marks import context_of
 from echocal.correct.needed import remembered
 from echocal.errors import DataError, EchocalError, UsageError
+from echocal.keywords import keyword
 from echocal.model import Model
 from echocal.model.folder import ModelFolder
 from echocal.objects import Object
@@ -112,7 +113,7 @@ def _read_log(
             message = (
                 f"the model has {', '.join(corrector.remembers) or 'marks'}, which depends on the other rows "
                 f"of a log, and this log has more than {memory // _BYTES_A_ROW} rows, which do not fit into "
-                f"{memory >> 20} MB; give more memory (--memory 4GB), or correct shorter logs"
+                f"{memory >> 20} MB; give more memory ({keyword('memory', '4GB')}), or correct shorter logs"
             )
             raise DataError(message)
     table, context, elapsed = _joined(tables, corrector)
@@ -149,7 +150,8 @@ def _refuse_overlap(files: Sequence[Path], sizes: Sequence[int], elapsed: NDArra
         if len(known) and known.min() < latest:
             message = (
                 f"{file} begins before {before} ends, and both are one log of a model that depends on the "
-                "other rows; if they are of different sensors, say so: --by COLUMN, or --logs file"
+                f"other rows; if they are of different sensors, say so: {keyword('by', 'COLUMN')}, or "
+                f"{keyword('logs', 'file')}"
             )
             raise DataError(message)
         if len(known):
@@ -181,7 +183,7 @@ def logs_of(
         If it is not known which files are one log.
     """
     if logs not in (None, *LOGS):
-        message = f"--logs {logs} is not one of {', '.join(LOGS)}"
+        message = f"{keyword('logs', logs)} is not one of {', '.join(LOGS)}"
         raise UsageError(message)
     alone: dict[str, list[Place]] = {s.place.as_posix(): [s.path] for s in inputs.files}
     if len(inputs.files) == 1 or logs == "file":
@@ -198,8 +200,9 @@ def logs_of(
         if key is None and logs is None:
             message = (
                 f"the model has {', '.join(depends)}, which depends on the other rows of a log, and there "
-                f"are {len(sources)} files; say which are one log: --logs all, --logs file (each by itself), "
-                "or --by COLUMN with one partition for each sensor"
+                f"are {len(sources)} files; say which are one log: {keyword('logs', 'all')}, "
+                f"{keyword('logs', 'file')} "
+                f"(each by itself), or {keyword('by', 'COLUMN')} with one partition for each sensor"
             )
             raise UsageError(message)
         ordered: list[Place] = [source.path for source in sources]

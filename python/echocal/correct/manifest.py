@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from echocal.errors import DataError, OutputError, UsageError, writing
+from echocal.keywords import keyword
 from echocal.model.document import sha256
 from echocal.objects import Object
 from echocal.outputs import replace_text
@@ -182,7 +183,8 @@ class Manifest:
             "version": f"echocal {head.get('version')}",
         }
         other = next((what[name] for name in what if head.get(name) != self._head[name]), "another manifest")
-        return f"{self.out} was begun with {other}; name another output, or begin anew with --force"
+        anew = keyword("force", True)
+        return f"{self.out} was begun with {other}; name another output, or begin anew with {anew}"
 
 
 def check_owner(owner: Mapping[str, Any] | None) -> None:

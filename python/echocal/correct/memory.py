@@ -3,6 +3,7 @@
 import re
 
 from echocal.errors import UsageError
+from echocal.keywords import keyword
 
 __all__ = ["in_bytes"]
 
@@ -28,10 +29,10 @@ def in_bytes(text: int | str) -> int:
     match = re.fullmatch(r"\s*(\d+(?:\.\d+)?)\s*([KMGT]?)i?(B?)\s*", str(text), re.IGNORECASE)
     unit = "" if match is None else (match[2] + (match[3] or ("B" if match[2] else ""))).upper()
     if match is None or unit not in _UNITS:
-        message = f"--memory {text} is no amount of memory; e.g. 512MB, 2GB"
+        message = f"{keyword('memory', text)} is no amount of memory; e.g. 512MB, 2GB"
         raise UsageError(message)
     amount = int(float(match[1]) * _UNITS[unit])
     if amount < _LEAST:
-        message = f"--memory {text} is too little: the libraries alone take {_LEAST >> 20}MB"
+        message = f"{keyword('memory', text)} is too little: the libraries alone take {_LEAST >> 20}MB"
         raise UsageError(message)
     return amount

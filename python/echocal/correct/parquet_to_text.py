@@ -12,6 +12,7 @@ from echocal.correct.corrector import Corrector, Tally
 from echocal.correct.job import Job
 from echocal.correct.parquet import footer as f
 from echocal.correct.parquet.file import (
+    FIXED,
     Opened,
     arrow_file,
     check_whole,
@@ -27,6 +28,7 @@ from echocal.correct.stream import corrected
 from echocal.correct.tables import results_of
 from echocal.correct.text.file import writing_text
 from echocal.errors import UsageError
+from echocal.keywords import keyword
 from echocal.observations.arrow import Table, arrow, as_stored
 from echocal.outputs import csv_text, spreadsheet_safe
 
@@ -59,10 +61,10 @@ def parquet_to_text(
         `out` is incomplete then.
     """
     if job.append_only is not None:
-        raise UsageError("--append-only is for Parquet to Parquet")
+        raise UsageError(f"{keyword('append_only')} is for Parquet to Parquet")
     pa = arrow()
     with source.open("rb") as raw:
-        footer = f.read_footer(raw, str(source))
+        footer = f.read_footer(raw, str(source), job.memory - FIXED)
     opened = opened_file(source, footer, job, 1 + len(f.fields_of(footer)) // 4)
     with opened.file:
         names = names_of(opened.file)

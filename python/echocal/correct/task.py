@@ -21,6 +21,7 @@ from echocal.correct.job import Job
 from echocal.correct.manifest import check_owner
 from echocal.correct.staged import fetched, replaced
 from echocal.errors import DataError, EchocalError, OutputError, UsageError, unexpected
+from echocal.keywords import keyword
 from echocal.observations.file import TextFile
 from echocal.places import Place, file_digest, place_of, stamp
 
@@ -117,7 +118,7 @@ def _told(error: BaseException, place: Place) -> tuple[str, str]:
     if isinstance(error, EchocalError):
         return kind, str(error)
     if isinstance(error, MemoryError):
-        return kind, f"{place}: memory ran out; give --memory less"
+        return kind, f"{place}: memory ran out; give less {keyword('memory')}"
     if isinstance(error, OSError):
         return kind, f"{error.filename or place}: {error.strerror or error}"
     return kind, f"{place}: {unexpected(error)}"

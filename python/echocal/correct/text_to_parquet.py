@@ -15,6 +15,7 @@ from echocal.correct.text.blocks import Block
 from echocal.correct.text.file import Text, check_whole, correct_blocks
 from echocal.correct.text.parse import Lines
 from echocal.errors import DataError, UsageError
+from echocal.keywords import keyword
 from echocal.observations.arrow import Table, arrow
 from echocal.observations.file import TextFile
 from echocal.outputs import opened_output
@@ -49,7 +50,7 @@ def text_to_parquet(
         If the file cannot be read, or a model needs what it does not have; `out` is incomplete then.
     """
     if job.append_only is not None:
-        raise UsageError("--append-only is for Parquet to Parquet")
+        raise UsageError(f"{keyword('append_only')} is for Parquet to Parquet")
     pa = arrow()
     text = Text(source, job, key)
     job = text.job

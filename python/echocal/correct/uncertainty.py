@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from echocal.correct.results import UNCERTAINTY
 from echocal.errors import DomainWarning, UsageError, among
+from echocal.keywords import keyword
 from echocal.model import Model
 from echocal.model.shape import is_extra
 from echocal.observations import Observations
@@ -55,16 +56,18 @@ class Uncertainties:
         for name, value in pairs:
             if name not in NAMES or NAMES[name][0].label or NAMES[name][0].quantity == "reference_distance":
                 known = among(name, [own for own, (form, _) in NAMES.items() if not form.label], "there are")
-                message = f'--uncertainty "{name}={value}" names no quantity with its unit{known}'
+                message = f"{keyword('uncertainties', {name: value})} names no quantity with its unit{known}"
                 raise UsageError(message)
             form, symbol = NAMES[name]
             unit = form.units[symbol]
             size = float(value) * unit.numerator / unit.denominator
             if not 0.0 <= size < np.inf:
-                message = f'--uncertainty "{name}={value}" is no standard uncertainty; give a number >= 0'
+                stating = keyword("uncertainties", {name: value})
+                message = f"{stating} is no standard uncertainty; give a number >= 0"
                 raise UsageError(message)
             if form.quantity in stated:
-                message = f"--uncertainty states {form.quantity.replace('_', ' ')} twice; state it once"
+                twice = form.quantity.replace("_", " ")
+                message = f"{keyword('uncertainties')} states {twice} twice; state it once"
                 raise UsageError(message)
             stated[form.quantity] = size
         return cls(stated)
@@ -181,5 +184,5 @@ def _pair(text: str) -> tuple[str, float]:
     try:
         return name.strip(), float(value)
     except ValueError:
-        message = f'--uncertainty "{text}" is not of the form NAME=VALUE; e.g. temperature_C=0.5'
+        message = f"{keyword('uncertainties', [text])} is not of the form NAME=VALUE; e.g. temperature_C=0.5"
         raise UsageError(message) from None

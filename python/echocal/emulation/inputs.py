@@ -12,6 +12,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from echocal.errors import DataError, DataWarning, UsageError
+from echocal.keywords import keyword
 from echocal.observations import Observations, plan, read_observations
 from echocal.observations.source import load
 from echocal.sweep.grid import Range, axis
@@ -78,7 +79,7 @@ def from_ranges(
 ) -> Inputs:
     """Return every combination of values, the last one given changing the fastest."""
     if temperature is None:
-        message = "a temperature is needed, such as --temperature 0:50:2, or a table of rows"
+        message = f"a temperature is needed, such as {keyword('temperature', 20)}, or a table of rows"
         raise UsageError(message)
     given = {
         "temperature": temperature,

@@ -1,4 +1,4 @@
-"""The Arduino library of a model, as `echocal firmware --package arduino` generates it, on the board."""
+"""The Arduino library of a model, as `echocal.firmware.generate` makes it, on the board."""
 
 import tempfile
 from pathlib import Path

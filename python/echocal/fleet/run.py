@@ -30,6 +30,7 @@ from echocal.fleet.spill import is_spilled, plan_spills, run_spill
 from echocal.fleet.store import Store
 from echocal.fleet.summary import summary
 from echocal.fleet.task import run_task
+from echocal.keywords import as_here, keyword
 from echocal.model import Model
 from echocal.model.folder import INDEX
 from echocal.model.names import index_text, named
@@ -215,11 +216,11 @@ def _divide(store: Store, spills: Sequence[Mapping[str, Any]], engine: Engine, w
     """Divide the files that hold many sensors, as far as an earlier run has not."""
     left = [task for task in spills if not is_spilled(store.folder, task["number"])]
     few = len(left) <= workers  # then starting processes takes longer than the work
-    for task, result in (Here() if few else engine).run(run_spill, left):
+    for task, result in (Here() if few else engine).run(as_here(run_spill), left):
         if result is None:
             files = ", ".join(file for file, *_ in task["files"][:3])
             message = f"the process that divided {files} was killed twice, perhaps for want of memory; "
-            raise DataError(message + "give --memory less")
+            raise DataError(message + f"give less {keyword('memory')}")
 
 
 def _records(
@@ -242,7 +243,7 @@ def _records(
     done = earlier = sum(len(records) for records in kept.values())
     if progress is not None:
         progress(done, total, earlier)
-    for task, result in engine.run(run_task, left):
+    for task, result in engine.run(as_here(run_task), left):
         if result is None:
             kept[task["number"]] = [_lost(sensor) for sensor in task["sensors"]]
         stop_if_told()
@@ -277,7 +278,8 @@ def _whole(records: Sequence[Mapping[str, Any]], job: Mapping[str, Any]) -> bool
 
 
 def _lost(sensor: Mapping[str, Any]) -> dict[str, Any]:
-    reason = "the process that diagnosed it was killed twice, perhaps for want of memory; give --memory less"
+    less = f"give less {keyword('memory')}"
+    reason = f"the process that diagnosed it was killed twice, perhaps for want of memory; {less}"
     own = {"sensor": sensor["key"], "kind": sensor["kind"], "files": len(sensor["files"]), "repeated": 0}
     named = {"model": None, "model_hash": None, "file": sensor["file"], "sha256": {}, "seconds": None}
     return {**failure(reason), **own, **named}

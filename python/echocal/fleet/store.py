@@ -13,6 +13,7 @@ from typing import Any
 from echocal.correct.lock import locked
 from echocal.correct.manifest import FOLDER
 from echocal.errors import OutputError, UsageError, writing
+from echocal.keywords import keyword
 from echocal.places import file_digest
 
 __all__ = ["Store", "put"]
@@ -75,7 +76,7 @@ class Store:
                 differing = ", ".join(sorted(k for k in {*before, *job} if before.get(k) != job.get(k)))
                 message = (
                     f"{self.folder} has the unfinished run of another request (it differs in: {differing}); "
-                    "repeat that request to finish it, or start anew with --force"
+                    f"repeat that request to finish it, or start anew with {keyword('force', True)}"
                 )
                 raise UsageError(message)
             self.clear()

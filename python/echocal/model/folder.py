@@ -1,9 +1,9 @@
 """A folder of models, one for each key: the model of every sensor of a fleet.
 
 The model of a key is in the file of its name, with signs that a file name may not have replaced by ``_``, and
-with a hash in place of the end where it is too long (``echocal diagnose --by COLUMN --models DIR`` writes
-them so). An ``index.json`` in the folder names them instead: ``{"schema": "echocal.models/1", "models":
-{"KEY": "FILE.json", ...}}``.
+with a hash in place of the end where it is too long (`echocal.diagnose_fleet` writes them so).
+An ``index.json`` in the folder names them instead: ``{"schema": "echocal.models/1", "models": {"KEY":
+"FILE.json", ...}}``.
 """
 
 import hashlib
@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from echocal.errors import DataError, ModelError
+from echocal.keywords import keyword
 from echocal.model.composition import Model
 
 __all__ = ["INDEX", "WHOLE", "ModelFolder", "file_name", "label"]
@@ -81,7 +82,7 @@ class ModelFolder:
     def __init__(self, folder: Path) -> None:
         self.folder = folder
         if not folder.is_dir():
-            message = f"--models {folder} is no folder of models"
+            message = f"{keyword('models', str(folder))} is no folder of models"
             raise ModelError(message)
         self._index = _read_index(folder / INDEX)
         self._models: dict[str, Model | None] = {}

@@ -10,13 +10,12 @@ from numpy.typing import ArrayLike
 
 from echocal import _core
 from echocal.domain import warn_outside
-from echocal.errors import DataError, ModelError
+from echocal.errors import AbsentError, DataError, ModelError
+from echocal.keywords import keyword
 from echocal.quantities import AIR, DEFAULTS, FROM_THERMOMETERS, QUANTITIES
 from echocal.registry import find_effect
 
 __all__ = ["Needs", "assumed", "of", "of_thermometers"]
-
-_AT = "; of a whole table: --at temperature=20+-2"
 
 
 @dataclass(frozen=True)
@@ -56,9 +55,9 @@ class Needs:
                 message = (
                     f"{who} needs {name} [{QUANTITIES[name].unit}], which is not given; {record}, "
                     f"pass {name}=..., or assume a value with Model(air={{'{name}': ...}})"
-                    f"{_AT if name == 'temperature' else ''}"
+                    f"{_of_a_table() if name == 'temperature' else ''}"
                 )
-                raise DataError(message)
+                raise AbsentError(message, name)
         for name, who in self.excluded.items():
             if name in conditions:
                 message = (
@@ -137,3 +136,7 @@ def _of(law: str, reads: tuple[str, ...], effects: tuple[str, ...]) -> Needs:
             laws.setdefault(effect.calls, id_)
     before = {name for effect in acting if effect.stage != "firmware" for name in effect.reads}
     return Needs(required, excluded, frozenset(required) - before - {*reads}, laws)
+
+
+def _of_a_table() -> str:
+    return f"; of a whole table: {keyword('at', {'temperature': '20+-2'})}"

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
-from difflib import get_close_matches
 from typing import TYPE_CHECKING
 
+from echocal.keywords import keyword
 from echocal.observations.found import found_in
 from echocal.observations.hints import role_of
-from echocal.observations.names import INSPECT, looks_like, phrase, unit_of
+from echocal.observations.misspelled import meant as meant_by
+from echocal.observations.names import INSPECT, looks_like, unit_of
 from echocal.observations.plan import Assignment, Plan
 from echocal.observations.proposals import Proposal, propose, unfit
 from echocal.observations.units import FORMS, Form
@@ -18,7 +19,7 @@ if TYPE_CHECKING:
 
 __all__ = ["no_echo", "which_temperature"]
 
-_MISSPELLED = 0.75  # likeness from which on a name is taken for another one misspelled
+_SAY = "Say which it is"
 
 
 def no_echo(table: pd.DataFrame, plan: Plan) -> str:
@@ -32,16 +33,16 @@ def no_echo(table: pd.DataFrame, plan: Plan) -> str:
     )
 
 
-def which_temperature(table: pd.DataFrame, plan: Plan) -> str:
-    """How to say which column is the temperature."""
+def which_temperature(table: pd.DataFrame, plan: Plan) -> dict[str, str]:
+    """How to say which column is the temperature, as `columns` takes it."""
     forms = [form for form in FORMS if form.quantity == "temperature"]
-    if meant := _meant(plan.others, forms):
+    if meant := meant_by(plan.others, forms):
         return meant
     proposed = propose(table, found_in(table), {name: own.name for name, own in _given(plan).items()})
     asked = [name for name in plan.others if "temperature" in proposed[name].reason]
     sure = [name for name in plan.others if proposed[name].request.startswith("temperature")]
     name = next(iter([*sure, *asked]), "")
-    return f"{name}={proposed[name].request or 'temperature_C'}" if name else "NAME=temperature_C"
+    return {name or "NAME": (name and proposed[name].request) or "temperature_C"}
 
 
 def _given(plan: Plan) -> Mapping[str, Assignment]:
@@ -53,24 +54,24 @@ def _advice(table: pd.DataFrame, plan: Plan, echo: Collection[Form]) -> str:
     others, reference = plan.others, plan.assignments.get("reference_distance")
     proposed = propose(table, found_in(table), {})
     likely = [
-        f"{name}={p.request}"
+        {name: p.request}
         for name, p in proposed.items()
         if p.request.startswith(("reading", "echo")) and p.request != "echo_quality"
     ]
     if reference is not None:
-        beside = [one for one in likely if one.rpartition("=")[0] in others and _is_named(one, proposed)]
+        beside = [one for one in likely if {*one} <= {*others} and _is_named(one, proposed)]
         ruler = role_of(reference.column) == "distance"
         if len(beside) == 1:
-            return f'Say which it is: --column "{beside[0]}"; {INSPECT}'
-        if not ruler and not _meant(others, echo):
-            request = f"{reference.column}=reading_{reference.unit_name}"
-            return f"Record one of them; if the sensor indicates '{reference.column}': --column \"{request}\""
+            return f"{_SAY}: {keyword('columns', beside[0])}; {INSPECT}"
+        if not ruler and not meant_by(others, echo):
+            request = keyword("columns", {reference.column: f"reading_{reference.unit_name}"})
+            return f"Record one of them; if the sensor indicates '{reference.column}': {request}"
         if not others:
             return f"Record one of them beside '{reference.column}', which is the reference by its name"
     if not others:
         return "Record one of them"
-    if meant := _meant(others, echo):
-        return f'Did you mean: --column "{meant}"'
+    if meant := meant_by(others, echo):
+        return f"Did you mean: {keyword('columns', meant)}"
     return _of_others(table, others, echo, likely, proposed)
 
 
@@ -78,15 +79,15 @@ def _of_others(
     table: pd.DataFrame,
     others: Collection[str],
     echo: Collection[Form],
-    likely: list[str],
+    likely: list[dict[str, str]],
     proposed: Mapping[str, Proposal],
 ) -> str:
     alike = [(name, form) for name in others for form in echo if looks_like(name, form)]
     for name, form in alike:
         if unit_of(name) in form.units:
-            return f'Say which it is: --column "{name}={Assignment(name, form, unit_of(name)).name}"'
+            return f"{_SAY}: {keyword('columns', {name: Assignment(name, form, unit_of(name)).name})}"
     if likely:
-        return f'Say which it is: --column "{likely[0]}"; {INSPECT}'
+        return f"{_SAY}: {keyword('columns', likely[0])}; {INSPECT}"
     asked = [
         f"'{name}' {p.reason.partition(':')[0]}"
         for name, p in proposed.items()
@@ -98,26 +99,14 @@ def _of_others(
         units = {name: p.reason for name, p in proposed.items() if "a distance in" in p.reason}
         name, reason = next(iter(units.items()))
         unit = reason.partition("a distance in ")[2].split(" ")[0]
-        return f'{"; ".join(asked)}. Say which is the distance: --column "{name}=reading_{unit}"; {INSPECT}'
+        request = keyword("columns", {name: f"reading_{unit}"})
+        return f"{'; '.join(asked)}. Say which is the distance: {request}; {INSPECT}"
     first = alike[0][0] if alike else next(iter(others))
     if told := unfit(table, [first]):
         return f"{told}; {INSPECT}"
-    return f'Say which it is: --column "{first}=reading_m"; {INSPECT}'
+    return f"{_SAY}: {keyword('columns', {first: 'reading_m'})}; {INSPECT}"
 
 
-def _is_named(request: str, proposed: Mapping[str, Proposal]) -> bool:
+def _is_named(request: Mapping[str, str], proposed: Mapping[str, Proposal]) -> bool:
     """Whether the name of a column speaks of an echo or a reading, not only its values."""
-    return proposed[request.rpartition("=")[0]].reason.startswith("its name")
-
-
-def _meant(others: Collection[str], forms: Collection[Form]) -> str | None:
-    """Request of a column whose name says a quantity in other words, or misspells it."""
-    for name in others:
-        said = phrase(name)
-        if said and said[0] in forms:
-            return f"{name}={Assignment(name, *said).name}"
-    known = [name for form in forms for name in form.names]
-    for name in others:
-        if near := get_close_matches(name, known, n=1, cutoff=_MISSPELLED):
-            return f"{name}={near[0]}"
-    return None
+    return all(proposed[name].reason.startswith("its name") for name in request)

@@ -9,6 +9,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from echocal.errors import DataError
+from echocal.keywords import keyword
 from echocal.model import Model
 from echocal.observations import checks, clock, labels, odd_times
 from echocal.observations.advice import no_echo, which_temperature
@@ -136,12 +137,16 @@ class Assembly:
     def _numbers(self, column: str, source: Assignment | None = None) -> Column:
         """Numbers of a column; a few texts in it make their rows unusable."""
         corrupt: list[int] = []
-        values = to_numbers(self.table[column], column, self.missing, corrupt)
+        values = to_numbers(
+            self.table[column], column, self.missing, corrupt, part=bool(self.part and source)
+        )
         if corrupt and source is not None:
             where = np.zeros(len(values), dtype=np.bool_)
             where[corrupt] = True
             self._mark(where, f"{column} is no number", source)
-        if corrupt and self.part is None:
+        if self.part is not None:
+            self.part.count_damage(column, self.table[column], corrupt)
+        elif corrupt:
             text = shown(str(self.table[column].iloc[corrupt[0]]))
             self.notes.append(
                 f"{column} has text in place of a number in {rows(len(corrupt))}, "
@@ -222,7 +227,7 @@ class Assembly:
             if not speed.stated:
                 self.notes.append(
                     f"readings are taken to be made with the speed {speed.law}; "
-                    "if the firmware used another: --reading-speed 343"
+                    f"if the firmware used another: {keyword('reading_speed', 343)}"
                 )
             self.reading_speed = speed.law if speed.stated else ""
             return speed.echo_time(reading, self.reason == 0)
@@ -234,7 +239,7 @@ class Assembly:
             self._give(apart, reason)
         return echo_time
 
-    def _thermometer(self) -> str:
+    def _thermometer(self) -> dict[str, str]:
         """How to say which column is the temperature."""
         return which_temperature(self.table, self.plan)
 
@@ -276,7 +281,7 @@ class Assembly:
         for column in [name for name in extra if name in copies]:
             self.notes.append(
                 f"{copies[column]} in every row, within their rounding: a copy, which is left aside; "
-                f'if it is not: --trust "{column}"'
+                f"if it is not: {keyword('trust', [column])}"
             )
         return {name: own for name, own in extra.items() if name not in copies}
 
@@ -304,7 +309,7 @@ class Assembly:
             if alike and not form.label and form.quantity not in self.plan.assignments:
                 self.notes.append(
                     f"column '{alike[0]}' is not used as {form.role}, for it has no unit; "
-                    f'to use it: --column "{alike[0]}=..." with one of {", ".join(form.names)}'
+                    f"to use it: {keyword('columns', {alike[0]: '...'})} with one of {', '.join(form.names)}"
                 )
 
     def _summarize(self) -> None:

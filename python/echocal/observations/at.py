@@ -7,6 +7,7 @@ from typing import Any
 import pandas as pd
 
 from echocal.errors import UsageError, among
+from echocal.keywords import keyword
 from echocal.observations.names import by_name
 from echocal.observations.units import NAMES
 from echocal.quantities import QUANTITIES
@@ -39,12 +40,12 @@ def parsed(texts: Mapping[str, Any]) -> dict[str, tuple[str, float, float]]:
         column = ALSO.get(name, name)
         if column not in NAMES or NAMES[column][0].quantity not in QUANTITIES:
             known = [*ALSO, *(own for own, (form, _) in NAMES.items() if form.quantity in QUANTITIES)]
-            message = f"--at {name}={given}: no such condition{among(name, known, 'there are')}"
+            message = f"{keyword('at', {name: given})}: no such condition{among(name, known, 'there are')}"
             raise UsageError(message)
         match = _VALUE.fullmatch(str(given))
         if match is None:
             message = (
-                f"--at {name}={given}: not a number; give a value, or with its uncertainty: {name}=20+-2"
+                f"{keyword('at', {name: given})}: not a number; give a value, or with its uncertainty: 20+-2"
             )
             raise UsageError(message)
         found[NAMES[column][0].quantity] = (column, float(match["value"]), float(match["u"] or 0.0))
@@ -64,13 +65,15 @@ def conditions_at(given: Mapping[str, Any] | None, table: pd.DataFrame) -> dict[
         form, symbol = NAMES[column]
         for name in table.columns:
             if name in NAMES and (found := by_name(name)) and found[0].quantity == quantity:
-                message = f"--at {quantity}={value:g}: the table has it in column '{name}'; leave one out"
+                one = keyword("at", {quantity: value})
+                message = f"{one}: the table has it in column '{name}'; leave one out"
                 raise UsageError(message)
         low, high = form.physical
         unit = form.units[symbol]
         if not low <= unit.to_si(value) <= high:
             message = (
-                f"--at {quantity}={value:g} is outside of {unit.from_si(low):g} to {unit.from_si(high):g}"
+                f"{keyword('at', {quantity: value})} is outside of {unit.from_si(low):g} to "
+                f"{unit.from_si(high):g}"
             )
             raise UsageError(message)
         table[column] = value

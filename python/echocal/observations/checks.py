@@ -10,6 +10,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from echocal.errors import DataError
+from echocal.keywords import keyword
 from echocal.observations.clock import YEARS
 from echocal.observations.fields import row, rows
 from echocal.observations.plan import EVERYTHING, Assignment
@@ -51,7 +52,7 @@ def refuse_without_values(values: Column, source: Assignment, trusted: Collectio
     if not len(values) or (np.isnan(values[0]) and np.isnan(values).all()):
         message = (
             f"column '{column}' has no value in any of {len(values)} rows; "
-            f'if it is not needed: --column "{column}=ignore"'
+            f"if it is not needed: {keyword('columns', {column: 'ignore'})}"
         )
         raise DataError(message)
 
@@ -68,7 +69,8 @@ def refuse_truth(values: pd.Series[Any], assignment: Assignment) -> None:
         column, what = assignment.column, assignment.form.role.replace("_", " ")
         message = (
             f"column '{column}' holds true and false, and a {what} is a number; "
-            f'if it is something else: --column "{column}=extra" (or "{column}=ignore")'
+            f"if it is something else: {keyword('columns', {column: 'extra'})} (or "
+            f"{keyword('columns', {column: 'ignore'})})"
         )
         raise DataError(message)
 
@@ -143,10 +145,10 @@ def refuse_other_unit(values: Column, seen: Ends, assignment: Assignment, truste
         low, high = (unit.from_si(bound) for bound in form.physical)
         code = median in CODES or bool(np.mean(known == median) > _REPEATED)
         advice = (
-            f'an error code? --missing "{column}={median:g}"'
+            f"an error code? {keyword('missing', {column: median})}"
             if code
             else f"values in another unit, or in tenths, must be converted before; without it: "
-            f'--column "{column}=ignore"'
+            f"{keyword('columns', {column: 'ignore'})}"
         )
         message = f"column '{column}' has a median of {median:g}, outside {low:g} .. {high:g}; {advice}"
         raise DataError(message)
@@ -155,8 +157,8 @@ def refuse_other_unit(values: Column, seen: Ends, assignment: Assignment, truste
     read_as = ", ".join(f"as {name} {value:.4g} {symbol}".rstrip() for name, value in said.items())
     message = (
         f"column '{column}' has a median of {median:g}: {read_as}. "
-        f'Say which it is: --column "{column}={next(iter(others))}" (or rename it), '
-        f'or if it is right as it stands: --trust "{column}"'
+        f"Say which it is: {keyword('columns', {column: next(iter(others))})} (or rename it), "
+        f"or if it is right as it stands: {keyword('trust', [column])}"
     )
     raise DataError(message)
 
@@ -219,7 +221,8 @@ def suspected_codes(values: Column, seen: Ends, assignment: Assignment) -> list[
     found = {code: int((values == code).sum()) for code in codes if least <= code <= most}
     column = assignment.column
     return [
-        f'{column} holds {code:g} in {rows(count)}; if it is an error code: --missing "{column}={code:g}"'
+        f"{column} holds {code:g} in {rows(count)}; if it is an error code: "
+        f"{keyword('missing', {column: code})}"
         for code, count in found.items()
         if count and not assignment.form.label and not (count == 1 and least < code < most)
     ]

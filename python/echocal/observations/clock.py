@@ -12,6 +12,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from echocal.errors import DataError, UsageError
+from echocal.keywords import keyword
 from echocal.observations.dates import as_iso, by_format
 from echocal.observations.fields import fields, row, shown
 from echocal.observations.numbers import NO_NUMBER
@@ -163,7 +164,7 @@ def _refuse_others(texts: pd.Series[Any], wrong: NDArray[np.intp], column: str) 
         message = (
             f"column '{column}' has {len(wrong)} of {len(texts)} rows that are not ISO 8601 "
             f"(2024-05-31T13:45:00), first at {row(wrong[0])}: '{shown(texts.iloc[wrong[0]])}'; "
-            'written otherwise: --time-format "%d.%m.%Y %H:%M:%S"'
+            f"written otherwise: {keyword('time_format', '%d.%m.%Y %H:%M:%S')}"
         )
         raise DataError(message)
 
@@ -180,7 +181,7 @@ def _localize(times: pd.Series[Any], column: str, zone: tzinfo) -> pd.Series[Any
         message = (
             f"column '{column}' has {len(wrong)} local times that a clock change skips or repeats, "
             f"first at {row(wrong[0])}: {times.iloc[wrong[0]]}; a logger that keeps one offset all year "
-            "needs it as its zone: --time-zone Etc/GMT-1 is UTC+1"
+            f"needs it as its zone: {keyword('time_zone', 'Etc/GMT-1')} is UTC+1"
         )
         raise DataError(message)
     return local

@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from echocal.errors import DataError
+from echocal.keywords import keyword
 from echocal.model import Model, Smooth
 from echocal.model.shape import DISTANCE
 from echocal.observations.table import Observations
@@ -41,7 +42,8 @@ def corrected_distance(observations: Observations, model: Model) -> Column:
             model.correct(indication, **_conditions(observations, model), **_extra(observations, model))
         )
     except DataError as error:
-        message = f'{error}; map a column with --column, or leave one out with --column "NAME=ignore"'
+        out = keyword("columns", {"NAME": "ignore"})
+        message = f"{error}; map a column with {keyword('columns')}, or leave one out with {out}"
         raise DataError(message) from None
     return distance
 

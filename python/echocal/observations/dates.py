@@ -10,6 +10,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from echocal.errors import DataError, UsageError
+from echocal.keywords import keyword
 from echocal.observations.fields import row, shown
 
 __all__ = ["CLOCK", "DAY", "MONTH", "as_iso", "by_format", "unwrapped_clock"]
@@ -42,7 +43,9 @@ def by_format(texts: pd.Series[Any], column: str, time_format: str) -> pd.Series
     try:
         times: pd.Series[Any] = pd.to_datetime(texts.where(filled), format=time_format, errors="coerce")
     except (ValueError, TypeError) as error:
-        message = f'--time-format "{time_format}" is no format of times: {error}; like "%d.%m.%Y %H:%M:%S"'
+        message = (
+            f'{keyword("time_format", time_format)}: no format of times: {error}; like "%d.%m.%Y %H:%M:%S"'
+        )
         raise UsageError(message) from None
     wrong = np.flatnonzero(times.isna() & filled)
     if 2 * len(wrong) > filled.sum():
@@ -132,7 +135,8 @@ def _day_first(matches: list[re.Match[str]], column: str) -> bool:
         return len(first) > len(second)
     message = (
         f"column '{column}' has dates whose day and month cannot be told apart ('{shown(matches[0][0])}'): "
-        'say which comes first, --time-format "%d/%m/%Y %H:%M:%S" or "%m/%d/%Y %H:%M:%S"'
+        f"say which comes first, {keyword('time_format', '%d/%m/%Y %H:%M:%S')} or "
+        f"{keyword('time_format', '%m/%d/%Y %H:%M:%S')}"
     )
     raise DataError(message.replace("/", matches[0]["cut"]) if matches[0]["cut"] != "/" else message)
 

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from echocal.keywords import keyword
 from echocal.observations.fields import span
 from echocal.observations.hints import hint, role_of
 
@@ -79,6 +80,6 @@ def _without_unit(name: str, values: pd.Series[float]) -> str:
     ways = {unit: step * by for unit, by in units.items() if _STEPS[0] <= step * by <= _STEPS[1]} or {
         "time_s": step
     }
-    told = ", ".join(f'"{name}={unit}" ({span(own)})' for unit, own in ways.items())
-    use = "to use it, say the step between rows: --column"
+    told = ", ".join(f"{keyword('columns', {name: unit})} ({span(own)})" for unit, own in ways.items())
+    use = "to use it, say the step between rows:"
     return f"counts time in an unknown unit and is not used; {use} {told}"

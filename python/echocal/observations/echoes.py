@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from echocal import _core
 from echocal.errors import DataError, DomainWarning, UsageError
+from echocal.keywords import keyword
 from echocal.model import Model
 from echocal.observations.fields import row
 from echocal.observations.part import Part
@@ -46,7 +47,10 @@ class FirmwareSpeed:
     """
 
     def __init__(
-        self, text: str | float | None, conditions: Mapping[str, Column], thermometer: Callable[[], str]
+        self,
+        text: str | float | None,
+        conditions: Mapping[str, Column],
+        thermometer: Callable[[], Mapping[str, str]],
     ) -> None:
         self.stated = text is not None
         self._model = Model(str(text) if self.stated else DEFAULT_SPEED)
@@ -59,8 +63,9 @@ class FirmwareSpeed:
             if "temperature" not in self._conditions:
                 message = (
                     f"readings become echo times with the speed that the firmware used: '{self.law}' needs a "
-                    f'temperature and the table has none; map one (--column "{thermometer()}"), or say '
-                    "the speed: --reading-speed 343; one that nobody recorded: --at temperature=20+-2"
+                    f"temperature and the table has none; map one ({keyword('columns', thermometer())}), or "
+                    f"say the speed: {keyword('reading_speed', 343)}; one that nobody recorded: "
+                    f"{keyword('at', {'temperature': '20+-2'})}"
                 )
                 raise DataError(message)
 
@@ -91,7 +96,7 @@ class FirmwareSpeed:
             speed = np.broadcast_to(self._model.speed_of_sound(1.0, **self._given()), echo_time.shape)
             message = (
                 f"readings cannot be made with the speed '{self.law}': it is {speed[wrong[0]]:g} m/s at "
-                f"{row(wrong[0])}; say the one that the firmware used: --reading-speed 343"
+                f"{row(wrong[0])}; say the one that the firmware used: {keyword('reading_speed', 343)}"
             )
             raise DataError(message)
         return echo_time
@@ -117,7 +122,8 @@ def _refuse_speed(speed: float) -> None:
     meant = [f"; {speed:g} {unit} is {c:.1f} m/s" for unit, c in _meant(speed) if low <= c <= high]
     message = (
         f"the reading speed is {speed:g} m/s; the speed of sound in air lies within {low:g} .. {high:g} m/s"
-        f"{meant[0] if meant else ''}; say the speed that the firmware used: --reading-speed 343"
+        f"{meant[0] if meant else ''}; say the speed that the firmware used: "
+        f"{keyword('reading_speed', 343)}"
     )
     raise UsageError(message)
 
@@ -168,7 +174,7 @@ def disagreeing(
         message = (
             f"'{echo}' and '{indicated}' disagree in {apart.sum()} of {known.sum()} rows: the reading is "
             f"{ratio:.3f} times speed ({speed.law}) x echo time / 2 (median); check units, one way or two, "
-            f'and --reading-speed, or leave one out: --column "{indicated}=ignore"'
+            f"and {keyword('reading_speed')}, or leave one out: {keyword('columns', {indicated: 'ignore'})}"
         )
         raise DataError(message)
     return np.asarray(apart, dtype=np.bool_)

@@ -11,6 +11,7 @@ import numpy as np
 import pandas as pd
 
 from echocal.errors import DataError
+from echocal.keywords import keyword
 
 __all__ = ["fields", "is_empty", "refuse_object", "row", "rows", "shown", "span"]
 
@@ -98,7 +99,7 @@ def refuse_object(column: str, position: int, field: object) -> None:
     what = "a signaling NaN" if _signals(field) else f"a value of type {type(field).__name__}"
     message = (
         f"column '{column}' holds {what} at {row(position)}; give one number or text a row "
-        f'(None for no value), or leave the column out: --column "{column}=ignore"'
+        f"(None for no value), or leave the column out: {keyword('columns', {column: 'ignore'})}"
     )
     raise DataError(message)
 

@@ -9,16 +9,14 @@ from contextlib import contextmanager
 from functools import cached_property
 from itertools import islice
 from pathlib import Path
-from typing import IO, TextIO
+from typing import IO, Any, TextIO
 
 from echocal.errors import DataError
 from echocal.observations.heading import FIRST, head_in
 from echocal.observations.layout import CUT_SIGN, Head, Layout, said_no_text, seen_in
+from echocal.observations.limits import Guarded
 
-__all__ = ["LONGEST", "TextFile", "is_parquet", "line_too_long"]
-
-LONGEST = 1 << 22
-"""Bytes of a line at most: no table of measurements has longer ones, and a damaged file may; judgement."""
+__all__ = ["TextFile", "is_parquet"]
 
 _SAMPLE = 1 << 20  # bytes that show the encoding
 _ZIPPED = b"\x1f\x8b"
@@ -80,19 +78,8 @@ class TextFile:
         sample = data.read(_SAMPLE)
         self._begins, self.layout = sample[:3], seen_in(sample, self.layout)
         with self.below(data, 0) as text:
-            lines = self._lines(text)
-            self.above = list(islice(lines, self.layout.skip_lines))
-            self.first = list(islice(lines, FIRST))
-
-    def _lines(self, text: TextIO) -> Iterator[str]:
-        """Lines that are lines: looking for a format in longer ones would take minutes."""
-        is_json = False
-        for number, line in enumerate(iter(lambda: text.readline(LONGEST + 1), ""), 1):
-            is_json = is_json or (number == 1 and line.lstrip(" ")[:1] in ("[", "{"))
-            is_long = len(line) > LONGEST
-            if is_long and not is_json:
-                raise line_too_long(self.path, number)
-            yield line + text.readline() if is_long else line  # JSON may be one line
+            self.above = list(islice(text, self.layout.skip_lines))
+            self.first = list(islice(text, FIRST))
 
     @cached_property
     def head(self) -> Head:
@@ -143,13 +130,14 @@ class TextFile:
     def below(self, data: IO[bytes], lines: int) -> Iterator[TextIO]:
         """The text of its bytes below so many lines."""
         data.seek(0)
-        text = io.TextIOWrapper(data, self.layout.encoding, CUT_SIGN, newline="")
+        guarded: Any = Guarded(data, self.path)
+        text = io.TextIOWrapper(guarded, self.layout.encoding, CUT_SIGN, newline="")
         try:
             for _ in islice(text, lines):
                 pass
             yield text
         finally:
-            text.detach()  # or the bytes would be closed with it
+            text.detach().detach()  # or the bytes would be closed with it
 
     def no_text(self) -> DataError:
         """An error that says that it is not text in its encoding."""
@@ -166,15 +154,6 @@ def is_parquet(path: Path) -> bool:
     """
     with _opened(path) as file:
         return file.read(4) == _PARQUET
-
-
-def line_too_long(path: Path | str, number: int) -> DataError:
-    """An error for a line that is none."""
-    message = (
-        f"{path}: line {number} has more than {LONGEST:,} bytes, which no line of a table of measurements "
-        "has: the file is damaged, or another kind of file"
-    )
-    return DataError(message)
 
 
 def _opened(path: Path) -> IO[bytes]:

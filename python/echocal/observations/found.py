@@ -8,6 +8,7 @@ from typing import Any
 
 import pandas as pd
 
+from echocal.keywords import keyword
 from echocal.observations.join import Join
 from echocal.observations.layout import Head, Layout
 
@@ -105,5 +106,5 @@ def said_of(layout: Layout, head: Head) -> tuple[str, ...]:
             f"{', ...' if len(head.names) > 3 else ''}"
         )
     if layout.decimal is None and head.decimal == ",":
-        said.append("numbers are read with a decimal comma; if that is wrong: --decimal .")
+        said.append(f"numbers are read with a decimal comma; if that is wrong: {keyword('decimal', '.')}")
     return tuple(said)

@@ -7,7 +7,9 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from echocal.errors import DataError
+from echocal.keywords import keyword
 from echocal.observations.layout import Head, Layout
+from echocal.observations.limits import refuse_names
 from echocal.observations.quotes import Marks
 from echocal.observations.units_said import is_unit_row
 
@@ -78,7 +80,7 @@ def head_in(lines: list[str], layout: Layout, path: str) -> Head:
     ):
         message = (
             f"{path}: line {skip + 1} ('{first[:40]}') is one field and the next line has more; "
-            f"if it is a logger's own line, skip it: --skip-lines {skip + 1}"
+            f"if it is a logger's own line, skip it: {keyword('skip_lines', skip + 1)}"
         )
         raise DataError(message)
     if not head.nameless and head.above > skip:
@@ -100,7 +102,7 @@ def _first_lines(lines: list[str], skip: int, path: str) -> tuple[int, str, list
         wide = {0: "utf-16-be", 1: "utf-16-le"}.get(lines[0].find("\0"), "utf-16")
         message = (
             f"{path} is not text: its first line has NUL bytes; a binary file, or name the encoding: "
-            f"--encoding {wide}"
+            f"{keyword('encoding', wide)}"
         )
         raise DataError(message)
     return skip, before, [line.rstrip("\r\n") for line in lines]
@@ -267,5 +269,6 @@ def decimal_of(rows: Sequence[str], separator: str) -> str:
 
 def names_of(fields: Sequence[str]) -> list[str]:
     """Names of columns; one without a name has one by its place."""
+    refuse_names(fields, "the header")
     names = [field.strip() or f"Unnamed {position + 1}" for position, field in enumerate(fields)]
     return [names[0].removeprefix("% "), *names[1:]] if names else names

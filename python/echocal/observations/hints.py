@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 from echocal.errors import DataError
+from echocal.keywords import keyword
 from echocal.observations.found import Found
 from echocal.observations.names import IGNORE, by_name, by_request
 from echocal.observations.units import NAMES
@@ -141,10 +142,8 @@ def completed(
         said = hint(column, unit)
         why = (doubtful or {}).get(column)
         if said and why and NAMES[said.name][0].quantity not in {"echo_time", "reading"}:
-            use = (
-                "" if said.name == "time" else f' and is not used; to use it: --column "{column}={said.name}"'
-            )
-            notes.append(f"'{column}' {why}{use}")
+            use = f" and is not used; to use it: {keyword('columns', {column: said.name})}"
+            notes.append(f"'{column}' {why}{'' if said.name == 'time' else use}")
         elif said:
             hints.setdefault(NAMES[said.name][0].quantity, []).append((column, said))
     _drop_unsure(hints, held, notes)
@@ -162,7 +161,8 @@ def completed(
         first = next(iter(taken))
         notes.insert(
             0,
-            f'read by name and unit: {listed_}; if one is something else: --column "{first}=extra"',
+            f"read by name and unit: {listed_}; if one is something else: "
+            f"{keyword('columns', {first: 'extra'})}",
         )
     return {**taken, **requests}, notes
 
@@ -179,7 +179,7 @@ def _drop_unsure(found: dict[str, list[tuple[str, Hint]]], held: set[str], notes
         return  # several distances and nothing else: `_several` asks
     for column, said in unsure:
         reference = said.name.replace("reading", "distance")
-        given = f'--column "{column}={reference}", or "{column}={said.name}"'
+        given = ", or ".join(keyword("columns", {column: name}) for name in (reference, said.name))
         notes.append(f"'{column}' is not used, it may be the reference or a reading; to use it: {given}")
     found["reading"] = [pair for pair in readings if pair[1].sure]
     if not found["reading"]:
@@ -189,9 +189,8 @@ def _drop_unsure(found: dict[str, list[tuple[str, Hint]]], held: set[str], notes
 def _several(listed: list[tuple[str, Hint]]) -> str:
     names = " and ".join(f"'{column}'" for column, _ in listed)
     column, said = listed[0]
-    return (
-        f'{names} may both hold {said.name}, and neither is used; say which: --column "{column}={said.name}"'
-    )
+    way = keyword("columns", {column: said.name})
+    return f"{names} may both hold {said.name}, and neither is used; say which: {way}"
 
 
 def _name(role: str, symbol: str) -> str:

@@ -108,9 +108,9 @@ class Inspection:
         Why it is refused.
     table : pandas.DataFrame
     requests : dict of str to str
-        The proposals, as ``--column`` takes them.
+        The proposals, as `echocal.read_observations` takes `columns`.
     missing : dict of str to list of str
-        Error codes, as ``--missing`` takes them.
+        Error codes, as it takes `missing`.
     """
 
     kind: str
@@ -126,7 +126,7 @@ class Inspection:
     missing: dict[str, list[str]]
 
     def to_dict(self) -> dict[str, Any]:
-        """The document of ``--json``."""
+        """The facts as JSON holds them."""
         plain = {
             name: value for name, value in vars(self).items() if name not in {"table", "columns", "clock"}
         }

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from echocal.errors import UsageError
+from echocal.keywords import keyword
 
 __all__ = ["CUT_SIGN", "NO_SIGN", "Head", "Layout", "said_no_text", "seen_in"]
 
@@ -121,8 +122,10 @@ def said_no_text(name: str, encoding: str, begins: bytes) -> str:
     """Say that a text is none in its encoding, by its name and what it begins with."""
     encoding = encoding.removesuffix("-sig")
     wide = begins[:2] in {b"\xff\xfe", b"\xfe\xff"}
-    likely = "utf-16" if wide else "latin-1 (or cp1252, utf-16, ...)"
-    return f"{name} is not text in {encoding}: a binary file, or name the encoding: --encoding {likely}"
+    likely = keyword("encoding", "utf-16" if wide else "latin-1") + (
+        "" if wide else " (or cp1252, utf-16, ...)"
+    )
+    return f"{name} is not text in {encoding}: a binary file, or name the encoding: {likely}"
 
 
 def seen_in(sample: bytes, layout: Layout) -> Layout:

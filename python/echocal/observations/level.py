@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from echocal.errors import DataError
+from echocal.keywords import keyword
 
 __all__ = ["refuse_level"]
 
@@ -52,8 +53,8 @@ def refuse_level(
         f"reading falls. Their sum stays within {together:.3f} m of {height:.2f} m, and their difference "
         f"changes by {apart:.3f} m (90 % of {known.sum()} rows). distance = height - level, where height is "
         f"that of the sensor above the zero of the level, about {height:.2f} m: write this distance into the "
-        f'table. To read the table without the column: --column "{column}=ignore"; if it is a distance all '
-        f'the same: --trust "{column}"'
+        f"table. To read the table without the column: {keyword('columns', {column: 'ignore'})}; if it is a "
+        f"distance all the same: {keyword('trust', [column])}"
     )
     raise DataError(message)
 

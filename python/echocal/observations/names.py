@@ -3,13 +3,17 @@
 import re
 
 from echocal.errors import DataError, UsageError, among
+from echocal.keywords import command_line, keyword
 from echocal.observations.units import FORMS, NAMES, THERMOMETER, UNIT_WORDS, Form
 from echocal.observations.units_said import symbol_of
 
 __all__ = ["EXTRA", "IGNORE", "INSPECT", "by_name", "by_request", "looks_like", "phrase", "unit_of"]
 
 EXTRA = "extra"
-INSPECT = "echocal inspect LOG -o log.toml proposes all columns, --options log.toml takes them"
+INSPECT = (
+    f"{command_line('inspect', 'LOG', '-o', 'log.toml')} proposes all columns, "
+    f"{command_line('diagnose', 'LOG', options='log.toml')} takes them"
+)
 IGNORE = "ignore"
 
 _ROLES = sorted((form.role for form in FORMS), key=len, reverse=True)
@@ -42,7 +46,8 @@ def by_name(column: str) -> tuple[Form, str] | None:
     what = f"unknown unit '{unit}'" if unit else "no unit"
     message = (
         f"column '{column}' has {what}; accepted: {', '.join(form.names)}. Rename it, or say what it is: "
-        f'--column "{column}={form.names[0]}", or "{column}={EXTRA}" for a column of another kind; {INSPECT}'
+        f"{keyword('columns', {column: form.names[0]})}, or {keyword('columns', {column: EXTRA})} for a "
+        f"column of another kind; {INSPECT}"
     )
     raise DataError(message)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Collection, Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -11,10 +12,21 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from echocal.errors import DataError, UsageError, among
+from echocal.keywords import keyword
 from echocal.observations.fields import fields, row, shown
 from echocal.observations.silence import says_no_echo
 
-__all__ = ["EMPTY", "EXACT", "NO_NUMBER", "NUMBER", "Missing", "is_damaged", "number_of", "to_numbers"]
+__all__ = [
+    "EMPTY",
+    "EXACT",
+    "NO_NUMBER",
+    "NUMBER",
+    "Damage",
+    "Missing",
+    "is_damaged",
+    "number_of",
+    "to_numbers",
+]
 
 _GROUPED = re.compile(r"[-+]?\d{1,3}([.,' ])\d{3}(?:(?:\1\d{3})*(?!\1)[.,]\d+|(?:\1\d{3})+)")
 NUMBER = re.compile(r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?")
@@ -103,7 +115,12 @@ def number_of(text: str, absent: Collection[str], decimal: str = ".") -> float |
 
 
 def to_numbers(
-    values: pd.Series[Any], column: str, missing: Missing, corrupt: list[int] | None = None
+    values: pd.Series[Any],
+    column: str,
+    missing: Missing,
+    corrupt: list[int] | None = None,
+    *,
+    part: bool = False,
 ) -> Column:
     """Numbers of a column; NaN where the field is empty or holds an error code.
 
@@ -111,6 +128,8 @@ def to_numbers(
     ----------
     corrupt : list of int, optional
         Takes the places of texts that are no numbers, if at most a tenth of the fields is such; they are NaN.
+    part : bool
+        Whether the column goes on elsewhere: then `corrupt` takes all of them, and `Damage` judges the whole.
 
     Raises
     ------
@@ -128,20 +147,22 @@ def to_numbers(
     if pd.api.types.is_numeric_dtype(values):
         numbers = values.to_numpy(dtype=np.float64, na_value=np.nan, copy=True)
     else:
-        numbers = _parse(values, column, missing, corrupt)
+        numbers = _parse(values, column, missing, corrupt, part=part)
     codes = missing.numbers(column)
     if codes:
         numbers[np.isin(numbers, codes)] = np.nan
     return numbers
 
 
-def _parse(values: pd.Series[Any], column: str, missing: Missing, corrupt: list[int] | None) -> Column:
+def _parse(
+    values: pd.Series[Any], column: str, missing: Missing, corrupt: list[int] | None, *, part: bool
+) -> Column:
     texts = fields(values, column)
     absent = texts.isin(NO_NUMBER | missing.texts(column)).to_numpy()
     numbers = pd.to_numeric(texts.where(~absent), errors="coerce").to_numpy(dtype=np.float64, copy=True)
     wrong = np.flatnonzero(np.isnan(numbers) & ~absent)
     wrong = wrong[[not says_no_echo(text) for text in texts.iloc[wrong]]]
-    if corrupt is not None and _FEW * len(wrong) <= len(texts) and not _mean(texts.iloc[wrong]):
+    if corrupt is not None and (part or not Damage.of(texts.iloc[wrong]).is_refused(len(texts))):
         corrupt += wrong.tolist()
     elif len(wrong):
         message = (
@@ -156,13 +177,41 @@ def is_damaged(value: Any, column: str, missing: Missing) -> bool:
     """Whether one field is a text that is no number, means no value, and is not meant as a number."""
     texts = fields(pd.Series([value], dtype=object), column)
     absent = texts.iloc[0] in NO_NUMBER | missing.texts(column)
-    return not absent and bool(pd.to_numeric(texts, errors="coerce").isna().iloc[0]) and not _mean(texts)
+    no_number = bool(pd.to_numeric(texts, errors="coerce").isna().iloc[0])
+    return not absent and no_number and not Damage.of(texts).meant
 
 
-def _mean(texts: pd.Series[Any]) -> bool:
-    """Whether texts are meant as numbers, or are one code again and again: that is no damage."""
-    meant = any(_GROUPED.fullmatch(text) or _is_number(text.replace(",", ".", 1)) for text in texts)
-    return meant or (len(texts) > 1 and len(set(texts)) == 1)
+@dataclass(frozen=True)
+class Damage:
+    """Texts of a column that are no numbers: few of them are damage, and others a mistake.
+
+    Attributes
+    ----------
+    count : int
+    meant : bool
+        Whether one of them is meant as a number, as with a decimal comma.
+    distinct : frozenset of str
+        One of them, or two that differ.
+    """
+
+    count: int = 0
+    meant: bool = False
+    distinct: frozenset[str] = frozenset()
+
+    @classmethod
+    def of(cls, texts: pd.Series[Any]) -> Damage:
+        """That of some texts, none of which is a number."""
+        meant = any(_GROUPED.fullmatch(text) or _is_number(text.replace(",", ".", 1)) for text in texts)
+        return cls(len(texts), meant, frozenset(sorted(set(texts))[:2]))
+
+    def __add__(self, other: Damage) -> Damage:
+        distinct = frozenset(sorted(self.distinct | other.distinct)[:2])
+        return Damage(self.count + other.count, self.meant or other.meant, distinct)
+
+    def is_refused(self, rows: int) -> bool:
+        """Whether it is too much of so many rows, is meant as numbers, or is one code again and again."""
+        again = self.count > 1 and len(self.distinct) == 1
+        return self.count > 0 and (_FEW * self.count > rows or self.meant or again)
 
 
 def _hint(texts: pd.Series[Any]) -> str:
@@ -172,10 +221,10 @@ def _hint(texts: pd.Series[Any]) -> str:
         plain = grouped[0].replace(grouped[1], "")
         return f"'{grouped[0]}' has separators of thousands: write such numbers without, as {plain}"
     if "," in texts.iloc[0] and _is_number(texts.iloc[0].replace(",", ".", 1)):
-        return "a decimal comma? pass --decimal ,"
+        return f"a decimal comma? pass {keyword('decimal', ',')}"
     if _is_number(texts.iloc[0]):
         return "write plain digits with a decimal point, as 2945.7"
-    return f'if it means "no value": --missing "{shown(texts.iloc[0])}"'
+    return f'if it means "no value": {keyword("missing", [shown(texts.iloc[0])])}'
 
 
 def _is_number(text: str) -> bool:

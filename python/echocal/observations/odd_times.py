@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from echocal.errors import DataError
+from echocal.keywords import keyword
 from echocal.observations.clock import Instants
 from echocal.observations.fields import row, rows, span
 from echocal.observations.plan import Assignment
@@ -107,10 +108,10 @@ def refuse_other_clock(seconds: Column, source: Assignment) -> None:
     told = "; ".join(
         f"as {name} a row each {span(time)}" for name, time in {source.name: step, **others}.items()
     )
-    ways = [f'--column "{source.column}={name}"' for name in others]
+    ways = [keyword("columns", {source.column: name}) for name in others]
     message = (
         f"column '{source.column}' has usual steps of {step / own:.6g}: {told}. Say which it is: "
-        f'{"".join(f"{way}, " for way in ways)}or if it is right as it stands: --trust "{source.column}"'
+        f"{', '.join([*ways, 'or if it is right as it stands'])}: {keyword('trust', [source.column])}"
     )
     raise DataError(message)
 

@@ -2,11 +2,17 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from echocal.observations.fields import fields
+from echocal.observations.numbers import Damage
 from echocal.observations.plan import Assignment
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 __all__ = ["Part", "Seen"]
 
@@ -23,6 +29,8 @@ class Seen:
         Rows; those with a number; those of them whose number can be.
     below, above : int
         Possible numbers below and above the usual range of the quantity.
+    damage : Damage
+        Texts that are no numbers.
     """
 
     rows: int = 0
@@ -30,6 +38,7 @@ class Seen:
     possible: int = 0
     below: int = 0
     above: int = 0
+    damage: Damage = field(default_factory=Damage)
 
     def __iadd__(self, other: "Seen") -> "Seen":
         for name in vars(self):
@@ -39,7 +48,7 @@ class Seen:
     @property
     def doubtful(self) -> bool:
         """Whether the whole column must be looked at: it may have no value, or be in another unit."""
-        if not self.finite:
+        if not self.finite or self.damage.is_refused(self.rows):
             return self.rows > 0
         if not self.below and not self.above and self.possible == self.finite:
             return False
@@ -62,6 +71,8 @@ class Part:
         By column.
     disagreeing : list of int
         Rows whose echo time and reading disagree, and rows that have both.
+    damage : dict of str to Damage
+        Texts that are no numbers, by column.
     """
 
     start: np.datetime64 | float | None = None
@@ -69,20 +80,28 @@ class Part:
     counted: slice = field(default_factory=lambda: slice(None))
     seen: dict[str, Seen] = field(default_factory=dict)
     disagreeing: list[int] = field(default_factory=lambda: [0, 0])
+    damage: dict[str, Damage] = field(default_factory=dict)
+
+    def count_damage(self, column: str, values: "pd.Series[Any]", places: list[int]) -> None:
+        """Take what texts of a column are no numbers, before its values are counted."""
+        own = range(len(values))[self.counted]
+        inside = [place for place in places if place in own]
+        self.damage[column] = Damage.of(fields(values.iloc[inside], column)) if inside else Damage()
 
     def count(self, source: Assignment, values: Column, ends: tuple[float, float]) -> None:
         """Count the values of a column, in its own unit."""
-        form, unit = source.form, source.unit
+        form, unit, damage = source.form, source.unit, self.damage.get(source.column, Damage())
         values = values[self.counted]
         low, high = form.typical or form.physical
         if all(low <= unit.to_si(end) <= high for end in ends):
             finite = len(values) - int(np.count_nonzero(np.isnan(values)))
-            self.seen[source.column] = Seen(len(values), finite, finite)
+            self.seen[source.column] = Seen(len(values), finite, finite, damage=damage)
             return
         with np.errstate(invalid="ignore"):
             least, most = (unit.from_si(bound) for bound in form.physical)
             possible = (values > least if form.positive else values >= least) & (values <= most)
             si = unit.to_si(values)
             below, above = possible & (si < low), possible & (si > high)
-        counts = (np.isfinite(values), possible & np.isfinite(values), below, above)
-        self.seen[source.column] = Seen(len(values), *(int(np.count_nonzero(mask)) for mask in counts))
+        masks = (np.isfinite(values), possible & np.isfinite(values), below, above)
+        finite, able, low_ones, high_ones = (int(np.count_nonzero(mask)) for mask in masks)
+        self.seen[source.column] = Seen(len(values), finite, able, low_ones, high_ones, damage)

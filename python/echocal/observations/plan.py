@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from echocal.errors import DataError, UsageError, among
+from echocal.keywords import keyword
 from echocal.observations.names import EXTRA, IGNORE, by_name, by_request
 from echocal.observations.units import Form, Unit
 
@@ -126,6 +127,7 @@ def make(columns: Collection[str], requests: Mapping[str, str], trusted: Collect
 def _refuse_second(first: str, second: str, quantity: str) -> None:
     message = (
         f"columns '{first}' and '{second}' both hold {quantity.replace('_', ' ')}; "
-        f'say which not to use: --column "{second}={IGNORE}" (or "{second}={EXTRA}")'
+        f"say which not to use: {keyword('columns', {second: IGNORE})} (or "
+        f"{keyword('columns', {second: EXTRA})})"
     )
     raise DataError(message)

@@ -33,7 +33,7 @@ class Proposal:
     Attributes
     ----------
     request : str
-        As in ``--column``; empty for a column that is no quantity.
+        As in `columns`; empty for a column that is no quantity.
     reason : str
     guess : bool
         Whether it may be wrong: only the values say it.

@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterable, Iterator
 from functools import cached_property
 
 from echocal.errors import DataError
+from echocal.observations.limits import refuse_record
 
 __all__ = ["Marks"]
 
@@ -98,6 +99,7 @@ class Marks:
         """
         record: list[str] = []
         held: list[str] = []
+        size = 0
         usual = ""  # the last line that is a whole row
         whole, blanks = self._whole.fullmatch, " \t".replace(self._separator, "")
         for number, ended in enumerate(lines, first):
@@ -114,11 +116,13 @@ class Marks:
                 continue
             record.append(line)
             held.append(ended)
+            size += len(ended)
+            refuse_record(size, number - len(record) + 1, self._path)
             if not self._closed(record, number):
                 continue
             self._refuse_swallowed(record, number - len(record) + 1, usual)
             yield record, held
-            record, held = [], []
+            record, held, size = [], [], 0
         if record:
             self.is_cut = cut and self._swallowed(record, usual, closed=False) is None
             if self.is_cut:

@@ -4,6 +4,7 @@ from typing import Any
 
 import pandas as pd
 
+from echocal.keywords import keyword
 from echocal.observations.fields import shown
 
 __all__ = ["note_of", "sensors_in"]
@@ -53,7 +54,8 @@ def note_of(table: pd.DataFrame, used: set[str]) -> str:
             more = ", ..." if count > 3 else ""
             return (
                 f"column '{name}' has {count} values ({values}{more}), which may be as many sensors; they "
-                f'are taken for one. Each alone: --by "{name}"; if they are one: --column "{name}=extra"'
+                f"are taken for one. Each alone: {keyword('by', name)}; if they are one: "
+                f"{keyword('columns', {name: 'extra'})}"
             )
     return ""
 

@@ -10,10 +10,12 @@ from numpy.typing import NDArray
 
 from echocal.conditions import unmasked
 from echocal.errors import DataError, UsageError
+from echocal.keywords import command_line
 from echocal.observations import readers, text
 from echocal.observations.arrow import arrow, read_parquet, to_pandas
 from echocal.observations.file import TextFile
 from echocal.observations.layout import Layout
+from echocal.observations.limits import refuse_names
 
 __all__ = ["is_folder", "load", "refuse_unstreamed"]
 
@@ -43,6 +45,7 @@ def load(source: Any, layout: Layout | None = None, *, sheet: str | None = None)
         table, where = _file(source, sheet), f"{source.path}"
     else:
         table, where = _object(source), "the table"
+    refuse_names(table.columns, where)
     table.columns = pd.Index([str(name).strip() for name in table.columns], dtype=object)
     repeated = table.columns[table.columns.duplicated()]
     if len(repeated):
@@ -79,7 +82,7 @@ def refuse_unstreamed(file: TextFile) -> None:
     if kind:
         message = (
             f"{file.path} is {kind}, which cannot be kept line by line; make a table of it first: "
-            f"echocal inspect {file.path} --write table.csv"
+            + command_line("inspect", file.path, write="table.csv")
         )
         raise DataError(message)
 

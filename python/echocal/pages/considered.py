@@ -19,7 +19,7 @@ class Considered:
     Attributes
     ----------
     form : str
-        Its name, as ``--form`` takes it.
+        Its name, as `form` takes it.
     made : Firmware or None
         The proven function; None if the form cannot meet the bound.
     reason : str

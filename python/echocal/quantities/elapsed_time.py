@@ -15,8 +15,8 @@ FACTS = QuantityFacts(
             CLOCK,
             ("elapsed time",),
             holds=(
-                "when (`time` is ISO 8601); counts from the earliest row; times of day (in `--time-zone`) "
-                "also give the position of the sun"
+                "when (`time` is ISO 8601); counts from the earliest row; times of day (in the time zone "
+                "that is given) also give the position of the sun"
             ),
         ),
     ),

@@ -75,7 +75,7 @@ def _cause(cause: PooledCause) -> RenderableType:
         table.add_row(one.table, *_row(one))
     lines.append(table)
     if len(cause.tables) > _MOST:
-        lines.append(Text(f"  and {len(cause.tables) - _MOST} more tables: --json has all", style="dim"))
+        lines.append(Text(f"  and {len(cause.tables) - _MOST} more tables: the JSON has all", style="dim"))
     return Group(*lines, Text())
 
 

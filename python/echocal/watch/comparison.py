@@ -36,7 +36,7 @@ class Comparison:
             if row.sensor is None:
                 continue
             if kind == "distance":
-                row.reference = float(self.reference.distance or 0.0)
+                row.reference = float(self.reference.reference_distance or 0.0)
             elif kind == "constant":
                 row.reference = row.distance
             elif kind == "others":
@@ -47,7 +47,7 @@ class Comparison:
                     row.reference = in_range(row.entry.numbers.get(source.column, math.nan), source)
 
     def _compare(self, row: Done, id_: str) -> None:
-        name = str(row.entry.row.get(str(self.reference.target), ""))
+        name = str(row.entry.row.get(str(self.reference.same_target), ""))
         if row.status or math.isnan(row.distance) or math.isnan(row.entry.time) or not name:
             return
         if name not in self._targets:

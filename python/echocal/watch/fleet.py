@@ -9,6 +9,7 @@ import numpy as np
 
 from echocal.correct.rows import Reading
 from echocal.errors import DataError, EchocalError, UsageError, among
+from echocal.keywords import keyword
 from echocal.model import Model
 from echocal.model.folder import label
 from echocal.watch import verdict
@@ -65,7 +66,8 @@ class Fleet:
     >>> import echocal
     >>> from echocal.watch import Fleet, Reference, State, WatchSettings
     >>> device = echocal.Model("linear")
-    >>> fleet = Fleet(lambda id_: device, None, Reference(distance=1.0), WatchSettings(), State(None))
+    >>> one_meter = Reference(reference_distance=1.0)
+    >>> fleet = Fleet(lambda id_: device, None, one_meter, WatchSettings(), State(None))
     >>> rows = [{"time_s": 600 * i, "reading_m": 1.001, "temperature_C": 20.0 + i % 2} for i in range(600)]
     >>> corrected, events = fleet.take(rows)
     >>> corrected[1]["corrected_distance_m"], [event.kind for event in events]
@@ -91,13 +93,13 @@ class Fleet:
     _checked: bool = False
 
     def __post_init__(self) -> None:
-        ignored = [name for name in (self.by, self.reference.target, "topic") if name]
+        ignored = [name for name in (self.by, self.reference.same_target, "topic") if name]
         own = Reading.of(self.options, self.uncertainties, self.mark_rows)
         self._time_format = own.time_format
         self._reading = replace(own, time_format=None)  # of times that are read
         self._reader = Reader(own.requests, ignored=ignored, missing=own.missing)
         codes = own.missing if isinstance(own.missing, Mapping) else ()
-        self._named = {"column": own.requests, "trust": own.trust, "missing": codes}
+        self._named = {"columns": own.requests, "trust": own.trust, "missing": codes}
         self._comparison = Comparison(self.reference, self.state)
 
     def refusal(self, row: Row) -> str:
@@ -106,7 +108,7 @@ class Fleet:
             return why
         if self.by is not None and not _id_of(row.get(self.by)):
             held = f"holds {row[self.by]!r}" if self.by in row else f"is not there; it has {', '.join(row)}"
-            return f"no sensor id: the field '{self.by}' of --by {held:.200}"
+            return f"no sensor id: the field '{self.by}' of {keyword('by')} {held:.200}"
         try:
             columns = self._reader.columns(list(row))
         except EchocalError as error:
@@ -279,12 +281,12 @@ class Fleet:
         options = self._reading.given()
         options.pop("missing", None)
         asked = {**self._reading.requests, **sensor.requests, "time": "time", "time_s": "time_s"}
-        away = [name for name in (self.by, self.reference.target, "topic") if name]
+        away = [name for name in (self.by, self.reference.same_target, "topic") if name]
         columns = {**asked, **dict.fromkeys(away, "ignore")}
         options["columns"] = {name: said for name, said in columns.items() if name in names}
         options["trust"] = [name for name in self._reading.trust if name in names]
         if self.reference.kind == "distance":
-            options["reference_distance"] = self.reference.distance
+            options["reference_distance"] = self.reference.reference_distance
         options["constant_distance"] = self.reference.kind == "constant"
         return verdict.told(sensor, rows, row, options)
 
@@ -307,7 +309,8 @@ class Fleet:
         if why:
             return [Event("note", id_, None, 0, f"{why}; its rows are passed on without correction")]
         if model is None:
-            sentence = "no model: its rows are passed on without correction; --models needs a file NAME.json"
+            needed = f"{keyword('models')} needs a file NAME.json"
+            sentence = f"no model: its rows are passed on without correction; {needed}"
             return [Event("note", id_, None, 0, sentence)]
         notes = []
         if model.campaign_effects:
@@ -337,10 +340,11 @@ class Fleet:
         names = list(dict.fromkeys(name for row in rows for name in row))
         try:
             if self.by is not None and not any(_id_of(row.get(self.by)) for row in rows):
-                message = f"a row has no sensor id in the column '{self.by}' of --by{among(self.by, names)}"
+                where = f"in the column '{self.by}' of {keyword('by')}{among(self.by, names)}"
+                message = f"a row has no sensor id {where}"
                 raise DataError(message)
             known = {name for row in rows for name in self._reader.columns(list(row), units).plan.assignments}
-            asked = [(f"--{name}", column) for name, own in self._named.items() for column in own if column]
+            asked = [(name, column) for name, own in self._named.items() for column in own if column]
             refuse_columns(names, asked, known, RESULTS, self.reference, self.interval)
             self._refuse_no_echo(rows[0], units)
         except (DataError, UsageError) as error:
@@ -376,5 +380,6 @@ def _id_of(field: Any) -> str:
 def _waits(context: int) -> str:
     return (
         f"the marks of its model look at {context} rows before and after a row: a row comes out when "
-        f"{context} rows have come after it, or when the watch ends; --no-mark-rows: at once, without marks"
+        f"{context} rows have come after it, or when the watch ends; {keyword('mark_rows', False)}: at once, "
+        "without marks"
     )

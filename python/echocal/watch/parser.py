@@ -9,9 +9,11 @@ from typing import Any, NamedTuple
 
 from echocal.correct.needed import refuse_repeated
 from echocal.errors import DataError
+from echocal.keywords import keyword
 from echocal.observations.found import CUT
 from echocal.observations.heading import FIRST, decimal_of, fields_of, head_in, is_value, names_of
 from echocal.observations.layout import Head, Layout, said_no_text, seen_in
+from echocal.observations.limits import from_json
 from echocal.observations.records import Record, Records
 from echocal.watch.rows import Row
 
@@ -19,7 +21,6 @@ __all__ = ["Arrival", "Batch", "Parser", "Unread", "json_of", "parsed"]
 
 _MOST = 2000  # rows of a batch: what a stop by force repeats at most
 _FEW = 20  # lines among which there is a header, or none comes
-_DEEPEST = 100  # lists and objects in each other: what writes them again stands on a stack of its own
 _SHOWN = 80  # letters of a text that a message shows
 _KEPT = "surrogateescape"  # a byte that is no text stays, so that its line can be set aside as it is
 _MARKS = {
@@ -273,7 +274,8 @@ class Parser:
             return False
         text = raw.encode("utf-8", _KEPT)
         if not _is_text(raw):
-            how = "; if the file is in another encoding: --encoding latin-1 (or cp1252, utf-16, ...)"
+            other = f"{keyword('encoding', 'latin-1')} (or cp1252, utf-16, ...)"
+            how = f"; if the file is in another encoding: {other}"
             batch.add(None, f"{no_utf8(text) or 'no text'}{how}: {_shown(text)}", text, self._source)
         else:
             batch.add(dict(zip(self._head.names, fields, strict=True)), record.why, text, self._source)
@@ -334,16 +336,12 @@ def parsed(text: bytes) -> tuple[Row | None, str]:
 def json_of(text: bytes) -> tuple[Any, str]:
     """What a JSON text holds, or why it cannot be read."""
     try:
-        found = json.loads(text.decode("utf-8-sig"), object_pairs_hook=_object)
-        if _is_deep(found):
-            return None, f"nested more than {_DEEPEST} deep"
+        found = from_json(text.decode("utf-8-sig"), object_pairs_hook=_object)
         json.dumps(found, ensure_ascii=False).encode()  # what cannot be written is not read
     except UnicodeDecodeError:
         return None, no_utf8(text)
     except UnicodeEncodeError:
         return None, "one half of a sign, which no text can have"
-    except RecursionError:
-        return None, "nested too deeply"
     except _RepeatedError as error:
         return None, str(error)
     except ValueError as error:
@@ -358,15 +356,6 @@ def no_utf8(text: bytes) -> str:
     except UnicodeDecodeError as error:
         return f"no UTF-8 ({error.reason} at byte {error.start})"
     return ""
-
-
-def _is_deep(found: Any) -> bool:
-    level, depth = [found], 0
-    while level and depth <= _DEEPEST:
-        inner = [one for one in level if isinstance(one, dict | list)]
-        level = [item for one in inner for item in (one.values() if isinstance(one, dict) else one)]
-        depth += bool(inner)
-    return depth > _DEEPEST
 
 
 class _RepeatedError(Exception):

@@ -1,10 +1,11 @@
 """What a corrected distance is compared with, and which model a sensor has."""
 
 from collections.abc import Callable, Collection, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from pathlib import Path
 
 from echocal.errors import DataError, UsageError, among
+from echocal.keywords import command_line, keyword
 from echocal.model import Model
 from echocal.model.folder import ModelFolder
 
@@ -19,56 +20,50 @@ class Reference:
 
     Attributes
     ----------
-    distance : float or None
+    reference_distance : float or None
         Distance of the target in every row [m].
-    constant : bool
+    constant_distance : bool
         The target does not move; its distance is not known.
-    target : str or None
+    same_target : str or None
         Column that names the target: the other sensors of the same target are the reference.
     within : float
         Age at which a row of another sensor is no reference any more [s].
-    later : bool
+    reference_later : bool
         Rows may have no column for it at first.
-    none : bool
+    correct_only : bool
         Nothing is tested.
     """
 
-    distance: float | None = None
-    constant: bool = False
-    target: str | None = None
+    reference_distance: float | None = None
+    constant_distance: bool = False
+    same_target: str | None = None
     within: float = 900.0
-    later: bool = False
-    none: bool = False
+    reference_later: bool = False
+    correct_only: bool = False
 
     def __post_init__(self) -> None:
         given = [
-            name
-            for name, value in (
-                ("--reference-distance", self.distance is not None),
-                ("--constant-distance", self.constant),
-                ("--same-target", self.target is not None),
-                ("--reference-later", self.later),
-                ("--correct-only", self.none),
-            )
-            if value
+            keyword(one.name)
+            for one in fields(self)
+            if one.name != "within" and getattr(self, one.name) not in {None, False}
         ]
         if len(given) > 1:
             message = f"{' and '.join(given)} contradict each other: give one of them"
             raise UsageError(message)
-        if self.distance is not None and not self.distance > 0.0:
-            message = f"--reference-distance is {self.distance!r}; give a distance above 0 m"
+        if self.reference_distance is not None and not self.reference_distance > 0.0:
+            message = f"{keyword('reference_distance', self.reference_distance)}: give a distance above 0 m"
             raise UsageError(message)
 
     @property
     def kind(self) -> str:
         """Where the reference comes from, in a word."""
-        if self.none:
+        if self.correct_only:
             return "none"
-        if self.constant:
+        if self.constant_distance:
             return "constant"
-        if self.target is not None:
+        if self.same_target is not None:
             return "others"
-        return "column" if self.distance is None else "distance"
+        return "column" if self.reference_distance is None else "distance"
 
 
 def models_of(model: Model | None, folder: Path | None) -> Models:
@@ -82,7 +77,8 @@ def models_of(model: Model | None, folder: Path | None) -> Models:
     if folder is None:
         return lambda _: model
     if not folder.is_dir():
-        message = f"--models {folder} is no folder; `echocal diagnose --by COLUMN --models DIR` writes one"
+        made = command_line("diagnose", by="COLUMN", models="DIR")
+        message = f"{keyword('models', str(folder))} is no folder; `{made}` writes one"
         raise UsageError(message)
     return ModelFolder(folder).model
 
@@ -102,7 +98,7 @@ def refuse_columns(
     names, known : collection of str
         Columns of the rows, and quantities that the rows have.
     asked : sequence of (str, str)
-        Options that name a column, with the column.
+        Keywords that name a column, with the column.
     results : sequence of str
         Columns that are appended.
     reference : Reference
@@ -117,9 +113,10 @@ def refuse_columns(
         If the rows have no time, nothing to be compared with, or were corrected before.
     """
     listed = ", ".join(names)
-    for option, column in [*asked, ("--same-target", reference.target)]:
+    for option, column in [*asked, ("same_target", reference.same_target)]:
         if column is not None and column not in names:
-            message = f"{option}: no row has a column '{column}'{among(column, names, 'the first rows have')}"
+            own = among(column, names, "the first rows have")
+            message = f"{keyword(option)}: no row has a column '{column}'{own}"
             raise UsageError(message)
     taken = [name for name in results if name in names]
     if taken:
@@ -127,17 +124,18 @@ def refuse_columns(
         raise DataError(message)
     if reference.kind == "none":
         return
-    if reference.kind == "column" and not reference.later and "reference_distance" not in known:
+    if reference.kind == "column" and not reference.reference_later and "reference_distance" not in known:
         message = (
             "no row has a reference distance, so nothing tells an error from a target that moves; say what "
-            "the corrected distance can be compared with: --reference-distance M, --constant-distance, "
-            "--same-target COLUMN (other sensors of one target), --reference-later (a column distance_m "
-            "comes now and then), or --correct-only"
+            f"the corrected distance can be compared with: {keyword('reference_distance')} (in m), "
+            f"{keyword('constant_distance', True)}, {keyword('same_target', 'COLUMN')} (other sensors of one "
+            f"target), {keyword('reference_later', True)} (a column distance_m comes now and then), or "
+            f"{keyword('correct_only', True)}"
         )
         raise DataError(message)
     if "elapsed_time" not in known and interval is None:
         message = (
             "no row has a time, which dates a change and gives the false alarms per year; the rows have "
-            f"{listed}: add a column time (ISO 8601) or time_s, or give --interval SECONDS"
+            f"{listed}: add a column time (ISO 8601) or time_s, or give {keyword('interval')} in s"
         )
         raise DataError(message)

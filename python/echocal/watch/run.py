@@ -10,6 +10,7 @@ from datetime import UTC, datetime
 
 from echocal.correct.results import DISTANCE, STATUS
 from echocal.errors import DataError, UsageError
+from echocal.keywords import keyword
 from echocal.watch.events import Event
 from echocal.watch.fleet import Fleet
 from echocal.watch.output import Growing, Stream, Table
@@ -207,8 +208,9 @@ class Run:
         most = [(why, rows, self._first[why]) for why, rows in self._lost.most_common(3)]
         said = [f"{rows} x {why}" + (f", first {field!r:.80}" if field else "") for why, rows, field in most]
         said += [f"{self.aside} lines are no rows"] if self.aside else []
-        comma = "; a decimal comma? pass --decimal ," if any("," in own for _, _, own in most) else ""
-        message = f"no row could be corrected: {'; '.join(said)}{comma}"
+        comma = any("," in own for _, _, own in most)
+        way = f"; a decimal comma? pass {keyword('decimal', ',')}" if comma else ""
+        message = f"no row could be corrected: {'; '.join(said)}{way}"
         raise DataError(message)
 
 

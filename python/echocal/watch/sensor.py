@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from echocal.correct.marks import context_of
 from echocal.correct.results import DISTANCE, STATUS, UNCERTAINTY
 from echocal.errors import DataError
+from echocal.keywords import keyword
 from echocal.model import Model
 from echocal.observations.clock import hour_angle, zone_of
 from echocal.observations.marks import MARKS
@@ -198,7 +199,9 @@ class Sensor:
             kept = row_to_keep(entry.row, entry.numbers, entry.columns)
             if self.reference == "others":
                 kept["distance_m"] = row.reference
-            one = Waiting(entry.time, entry.number, row.distance - against, signature, kept, row.target)
+            reading = entry.numbers.get(entry.columns.echo, np.nan) if entry.columns is not None else np.nan
+            residual = row.distance - against
+            one = Waiting(entry.time, entry.number, residual, signature, against, reading, kept, row.target)
             if row.status:
                 events += [(entry.place, e) for e in sentences.ignored(self, one, [one], row.status)]
                 continue
@@ -225,7 +228,7 @@ class Sensor:
         host.keep(self, row, time)
         events = []
         was_learning = self.monitor.learning
-        alarm = self.monitor.add(time, row.residual, np.array(row.signature))
+        alarm = self.monitor.add(time, row.residual, np.array(row.signature), row.distance, row.reading)
         if was_learning and not self.monitor.learning:
             events.append(sentences.learned(self, row))
         if alarm is not None:
@@ -324,7 +327,7 @@ class Sensor:
             who = f"sensor {self.id}" if self.id else "the sensor"
             message = (
                 f"the state is of another model of {who} ({kept['model'][:12]}, now {self.model.hash[:12]}): "
-                "give that model, or begin with another --state"
+                f"give that model, or begin with another {keyword('state')}"
             )
             raise DataError(message)
         for name in _PLAIN:

@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import IO, Any, Protocol
 
 from echocal.errors import DataError, UsageError
-from echocal.observations.file import LONGEST, line_too_long
 from echocal.observations.layout import Layout
+from echocal.observations.limits import LINE, too_long
 from echocal.watch.parser import Batch, Parser
 from echocal.watch.state import State
 
@@ -63,8 +63,8 @@ class Lines:
                 yield batch
             if not data:
                 return
-            if len(rest) > LONGEST:
-                raise line_too_long("stdin", parser.line + 1)
+            if len(rest) > LINE:
+                raise too_long("stdin", parser.line + 1)
 
     def done(self, state: State) -> None:
         """Nothing to keep."""
@@ -176,8 +176,8 @@ class Files:
                         yield batch
                     if ended:
                         break
-                    if stream.tell() - len(data) == at["byte"] and asked > LONGEST:
-                        raise line_too_long(file, parser.line + 1)
+                    if stream.tell() - len(data) == at["byte"] and asked > LINE:
+                        raise too_long(file, parser.line + 1)
                     asked *= 2 if stream.tell() - len(data) == at["byte"] else 1
         except OSError as error:
             message = f"{file} cannot be read: {error.strerror or error}"

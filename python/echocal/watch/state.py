@@ -1,19 +1,21 @@
 """The state of a watch in a file: a restart continues as if nothing had happened."""
 
+import hashlib
 import json
 import sqlite3
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from echocal.errors import DataError, UsageError
+from echocal.keywords import keyword
 from echocal.watch.rows import Row
 
 __all__ = ["State"]
 
-SCHEMA = "echocal.watch/4"
+SCHEMA = "echocal.watch/5"
 
 _TABLES = {
     "facts": "name text primary key, value text",
@@ -21,6 +23,8 @@ _TABLES = {
     "positions": "source text primary key, value text",
     "rows": "sensor text, number integer, time real, value text, primary key (sensor, number)",
 }
+
+_SEAL = 16  # characters before each value, which tell whether it is the one that was written
 
 
 class State:
@@ -35,6 +39,8 @@ class State:
     ------
     UsageError
         If the file cannot be used.
+    DataError
+        If it is not as it was written: each value has a checksum.
     """
 
     def __init__(self, path: Path | None) -> None:
@@ -43,15 +49,24 @@ class State:
             self._base = sqlite3.connect(
                 ":memory:" if path is None else str(path), isolation_level=None, timeout=1.0
             )
+        except sqlite3.DatabaseError as error:
+            message = f"--state {path} cannot be used: {error}"
+            raise UsageError(message) from None
+        try:
             if path is not None:
                 self._base.execute("pragma locking_mode = exclusive")
             self._base.execute("begin exclusive")
+            self._refuse_damage()
             for name, columns in _TABLES.items():
                 self._base.execute(f"create table if not exists {name} ({columns})")
             self.commit()
-        except sqlite3.DatabaseError as error:
+        except DataError:
+            self._base.close()
+            raise
+        except (sqlite3.DatabaseError, UnicodeError) as error:
+            self._base.close()
             busy = "another watch is using it" if "locked" in str(error) else str(error)
-            message = f"--state {path} cannot be used: {busy}"
+            message = f"{keyword('state', str(path))} cannot be used: {busy}"
             raise UsageError(message) from None
 
     def check(self, facts: Mapping[str, Any]) -> None:
@@ -67,41 +82,45 @@ class State:
             if kept is None:
                 self.set_fact(name, value)
             elif kept != json.loads(json.dumps(value)):
+                here = keyword("state", str(self.path))
                 message = (
-                    f"--state {self.path} was made with {name} = {kept!r}, this watch has {value!r}: "
-                    "give the same, or begin with another --state"
+                    f"{here} was made with {name} = {kept!r}, this watch has {value!r}: "
+                    f"give the same, or begin with another {keyword('state')}"
                 )
                 raise DataError(message)
 
     def fact(self, name: str) -> Any:
         """A fact by its name; None if there is none."""
-        return self._one("select value from facts where name = ?", name)
+        return self._one("facts", "name", name)
 
     def set_fact(self, name: str, value: Any) -> None:
         """Keep a fact."""
-        self._base.execute("insert or replace into facts values (?, ?)", (name, json.dumps(value)))
+        self._put("facts", name, json.dumps(value))
 
     def sensor(self, id_: str) -> Any:
         """What was kept of a sensor; None if it is new."""
-        return self._one("select value from sensors where id = ?", id_)
+        return self._one("sensors", "id", id_)
 
     def keep(self, id_: str, value: Mapping[str, Any]) -> None:
         """Keep the state of a sensor."""
-        text = json.dumps(value, default=_plain)
-        self._base.execute("insert or replace into sensors values (?, ?)", (id_, text))
+        self._put("sensors", id_, json.dumps(value, default=_plain))
 
     def position(self, source: str) -> Any:
         """How far a source was read; None if it is new."""
-        return self._one("select value from positions where source = ?", source)
+        return self._one("positions", "source", source)
 
     def set_position(self, source: str, value: Any) -> None:
         """Keep how far a source was read."""
-        self._base.execute("insert or replace into positions values (?, ?)", (source, json.dumps(value)))
+        self._put("positions", source, json.dumps(value))
 
     def add_rows(self, sensor: str, rows: Iterable[tuple[int, float, Row]]) -> None:
         """Keep rows of a sensor by number and time."""
-        kept = [(sensor, number, time, json.dumps(dict(row), default=_plain)) for number, time, row in rows]
-        self._base.executemany("insert or replace into rows values (?, ?, ?, ?)", kept)
+        kept = (
+            ((sensor, number, None if time != time else float(time)), json.dumps(dict(row), default=_plain))
+            for number, time, row in rows
+        )
+        sealed = [(*key, _sealed("rows", key, text)) for key, text in kept]
+        self._base.executemany("insert or replace into rows values (?, ?, ?, ?)", sealed)
 
     def forget_rows(self, sensor: str, until: int) -> None:
         """Forget rows of a sensor up to a number."""
@@ -114,7 +133,7 @@ class State:
             "order by number",
             (sensor, time, after, until),
         )
-        return [json.loads(value) for (value,) in found]
+        return [json.loads(value[_SEAL:]) for (value,) in found]
 
     def commit(self) -> None:
         """Make all changes lasting, at once."""
@@ -130,9 +149,41 @@ class State:
         """Forget what was not committed."""
         self._base.close()
 
-    def _one(self, query: str, key: str) -> Any:
-        found = self._base.execute(query, (key,)).fetchone()
-        return None if found is None else json.loads(found[0])
+    def _one(self, table: str, column: str, key: str) -> Any:
+        found = self._base.execute(f"select value from {table} where {column} = ?", (key,)).fetchone()
+        return None if found is None else json.loads(found[0][_SEAL:])
+
+    def _put(self, table: str, key: str, text: str) -> None:
+        self._base.execute(
+            f"insert or replace into {table} values (?, ?)", (key, _sealed(table, (key,), text))
+        )
+
+    def _refuse_damage(self) -> None:
+        """Refuse a file that is not as it was written."""
+        names = {
+            name for (name,) in self._base.execute("select name from sqlite_master where type = 'table'")
+        }
+        if not names:
+            return
+        (told,) = self._base.execute("pragma integrity_check(1)").fetchone()
+        if names != set(_TABLES):
+            told = f"it has the tables {', '.join(sorted(names))}"
+        for table in _TABLES if told == "ok" else ():
+            for *key, value in self._base.execute(f"select * from {table}"):
+                if value != _sealed(table, key, str(value)[_SEAL:]):
+                    told = f"{key[0]!r} in {table} has another checksum"
+        if told != "ok":
+            message = (
+                f"--state {self.path} is damaged, or of another version of echocal ({told}): take a copy of "
+                "it, or begin with another --state"
+            )
+            raise DataError(message)
+
+
+def _sealed(table: str, key: Sequence[Any], text: str) -> str:
+    """A value with its checksum before it, which also tells of its place."""
+    said = json.dumps([table, *key, text]).encode()
+    return hashlib.blake2b(said, digest_size=_SEAL // 2).hexdigest() + text
 
 
 def _plain(value: Any) -> Any:

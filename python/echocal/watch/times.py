@@ -12,6 +12,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from echocal.errors import DataError
+from echocal.keywords import keyword
 from echocal.observations.clock import YEARS, instants
 from echocal.observations.dates import DAY, as_iso
 from echocal.observations.fields import shown
@@ -26,8 +27,7 @@ _LETTERS = re.compile(r"[^\W\d_]+")
 _NUMBER = re.compile(r"[-+]?\d+(?:\.\d*)?(?:[eE][-+]?\d+)?")
 _ISO = re.compile(r"(?P<year>\d{4})-\d\d-\d\d[T ]\d\d:\d\d(?::\d\d(?:\.\d{1,9})?)?Z?", re.ASCII)
 _SKIPPED = (
-    "a clock change skips this local time; a logger that keeps one offset all year needs it as its zone: "
-    "--time-zone Etc/GMT-1 is UTC+1"
+    "a clock change skips this local time; a logger that keeps one offset all year needs it as its zone"
 )
 
 
@@ -125,12 +125,12 @@ class Times:
             if len(both) > 1:
                 twice[place] = (both[0], both[1])
             if not both and np.isfinite(local):
-                reasons[place] = _SKIPPED
+                reasons[place] = f"{_SKIPPED}: {keyword('time_zone', 'Etc/GMT-1')} is UTC+1"
 
     def _no_time(self, value: Any) -> str:
         return (
             f"its {self.column} is {shown(str(value))!r}, which is no time in ISO 8601 "
-            '(2024-05-31T13:45:00); written otherwise: --time-format "%d.%m.%Y %H:%M:%S"'
+            f"(2024-05-31T13:45:00); written otherwise: {keyword('time_format', '%d.%m.%Y %H:%M:%S')}"
         )
 
     def _instants(self, values: list[Any], zone: str | None = None) -> Column:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from scipy.io import wavfile
 
 from echocal.errors import DataError, UsageError
+from echocal.keywords import keyword
 from echocal.waveforms.captures import positive
 
 __all__ = ["SAMPLE_RATE_COLUMN", "columns_beside", "full_scale_of", "list_column", "read_waveforms"]
@@ -79,7 +80,7 @@ def read_waveforms(
         raise UsageError(message)
     rate = given if stated is None else stated
     if rate is None:
-        message = f"{path} has no sample rate; give it: sample_rate= or --sample-rate [Hz]"
+        message = f"{path} has no sample rate; give it: {keyword('sample_rate')} [Hz]"
         raise UsageError(message)
     return waveform, rate
 
@@ -246,7 +247,7 @@ def list_column(path: Path, schema: Any, column: str | None) -> str:
     if len(candidates) > 1:
         message = (
             f"{path} has several columns of lists of numbers: {', '.join(candidates)}; "
-            "choose one: column= or --column"
+            f"choose one: {keyword('column')}"
         )
         raise UsageError(message)
     return str(candidates[0])

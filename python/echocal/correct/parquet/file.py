@@ -17,11 +17,13 @@ from echocal.correct.parquet.splice import Splice
 from echocal.correct.rows import Rows
 from echocal.correct.stream import corrected
 from echocal.errors import DataError, UsageError, among
+from echocal.keywords import keyword
 from echocal.model.folder import label
 from echocal.observations.arrow import arrow
 from echocal.outputs import opened_output
 
 __all__ = [
+    "FIXED",
     "Opened",
     "arrow_file",
     "check_whole",
@@ -35,7 +37,7 @@ __all__ = [
 _CODECS = {"UNCOMPRESSED": "NONE", "LZ4_RAW": "LZ4"}
 """Names for writing, where files call them differently."""
 
-_FIXED = 220 << 20
+FIXED = 220 << 20
 """Bytes that Python and the libraries take before the first row; measured."""
 
 _BYTES_A_ROW = 500
@@ -83,7 +85,7 @@ def correct_parquet(
     """
     pa = arrow()
     with source.open("rb") as raw:
-        footer = f.read_footer(raw, str(source))
+        footer = f.read_footer(raw, str(source), job.memory - FIXED)
         opened = opened_file(source, footer, job)
         with opened.file:
             corrector = Corrector(names_of(opened.file), job, key)
@@ -130,7 +132,7 @@ def opened_file(path: Path, footer: f.Footer, job: Job, width: int = 1) -> Opene
     """Open a file; its pieces are small enough for the memory, where a row takes `width` times as much."""
     pa = arrow()
     least, largest = _PIECE
-    most = (job.memory - _FIXED) // (_BYTES_A_ROW * width * (job.threads + 2))
+    most = (job.memory - FIXED) // (_BYTES_A_ROW * width * (job.threads + 2))
     try:
         file = arrow_file(path)
     except (OSError, pa.ArrowException) as error:
@@ -178,7 +180,7 @@ def surroundings_of(opened: Opened, corrector: Corrector, job: Job, log: Sequenc
 
     def read(path: Path) -> pd.DataFrame:
         with path.open("rb") as raw:
-            footer = f.read_footer(raw, str(path))
+            footer = f.read_footer(raw, str(path), job.memory - FIXED)
         other = opened_file(path, footer, job)
         with other.file:
             tables = list(read_pieces(path, other.file, other.pieces, corrector.columns))
@@ -213,7 +215,7 @@ def _kept(footer: f.Footer, job: Job, corrector: Corrector) -> list[f.Field]:
     names = [field.name.strip() for field in fields]
     absent = [name for name in job.append_only if name not in names]
     if absent:
-        message = f"--append-only: there is no column '{absent[0]}'{among(absent[0], names)}"
+        message = f"{keyword('append_only')}: there is no column '{absent[0]}'{among(absent[0], names)}"
         raise UsageError(message)
     return [field for field, name in zip(fields, names, strict=True) if name in job.append_only]
 

@@ -14,6 +14,10 @@ __all__ = ["Field", "Footer", "chunk_range", "fields_of", "read_footer"]
 MAGIC = b"PAR1"
 _ENCRYPTED = b"PARE"
 _END = 8  # bytes: length of the footer, and the magic
+_LEAST = 1 << 19  # fields and elements that are read in any memory: those of 17,000 column chunks
+_COPIES = (
+    8  # of the bytes of a footer, here and in Arrow: about 5 for one of 100 MB, measured; the rest is reserve
+)
 _LONGEST = 1 << 27
 """Bytes of a footer at most: that of a million column chunks; judgement."""
 
@@ -82,8 +86,8 @@ class Footer:
         return {pair[1][1]: pair[2][1] if 2 in pair else b"" for pair in self.struct[KEY_VALUES][1][1]}
 
 
-def read_footer(file: BinaryIO, name: str) -> Footer:
-    """Read and check a footer.
+def read_footer(file: BinaryIO, name: str, memory: int | None = None) -> Footer:
+    """Read and check a footer, which may take so much memory [B].
 
     Raises
     ------
@@ -100,13 +104,20 @@ def read_footer(file: BinaryIO, name: str) -> Footer:
     if end[4:] != MAGIC or length + _END + len(MAGIC) > size:
         message = f"{name} begins like Parquet and has no footer: it is truncated or damaged"
         raise DataError(message)
-    if length > _LONGEST:
-        message = f"{name} has a footer of {length:,} bytes, and {_LONGEST:,} are the most: it is damaged"
+    longest, most = _LONGEST, thrift.MOST
+    if memory is not None:
+        longest = min(max(memory // _COPIES, _LEAST << 5), _LONGEST)
+        most = min(max(memory // thrift.BYTES, _LEAST), thrift.MOST)
+    if length > longest:
+        message = (
+            f"{name} has a footer of {length:,} bytes, and {longest:,} are the most: it is damaged, or needs "
+            "more memory (--memory) or larger row groups"
+        )
         raise DataError(message)
     begins = size - _END - length
     file.seek(begins)
     try:
-        struct, _ = thrift.read(file.read(length))
+        struct, _ = thrift.read(file.read(length), 0, most)
         check(struct, FILE)
         footer = Footer(struct, begins)
         fields = fields_of(footer)

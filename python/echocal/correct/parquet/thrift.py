@@ -7,7 +7,7 @@ Apache Thrift (doc/specs/thrift-compact-protocol.md).
 
 from typing import Any, TypeAlias
 
-__all__ = ["BINARY", "I32", "I64", "INTEGERS", "LIST", "STRUCT", "Struct", "read", "write"]
+__all__ = ["BINARY", "BYTES", "I32", "I64", "INTEGERS", "LIST", "MOST", "STRUCT", "Struct", "read", "write"]
 
 TRUE, FALSE, BYTE, I16, I32, I64, DOUBLE, BINARY, LIST, SET, MAP, STRUCT = range(1, 13)
 INTEGERS = (I16, I32, I64)
@@ -15,8 +15,11 @@ INTEGERS = (I16, I32, I64)
 _WIDEST = 1000
 """Fields of one structure; Parquet has 17 at most."""
 
-_MOST = 1 << 23
+MOST = 1 << 23
 """Fields and elements of a structure and of all that it holds: those of 300,000 column chunks; judgement."""
+
+BYTES = 160
+"""Bytes that one of them takes in memory; measured with lists of structures."""
 
 Value: TypeAlias = Any
 """int, bytes, bool, a `Struct`; a list is ``(kind of its elements, [values])``."""
@@ -24,15 +27,15 @@ Struct: TypeAlias = dict[int, tuple[int, Value]]
 """Kind and value by the number of the field, in the order of writing."""
 
 
-def read(data: bytes | memoryview, at: int = 0) -> tuple[Struct, int]:
-    """Read a structure; return it, and the place after it.
+def read(data: bytes | memoryview, at: int = 0, most: int = MOST) -> tuple[Struct, int]:
+    """Read a structure of so many fields and elements at most; return it, and the place after it.
 
     Raises
     ------
     ValueError
         If the bytes are no such structure.
     """
-    reader = _Reader(data, at)
+    reader = _Reader(data, at, most)
     try:
         return reader.struct(), reader.at
     except (IndexError, OverflowError, RecursionError) as error:
@@ -48,9 +51,9 @@ def write(struct: Struct) -> bytes:
 
 
 class _Reader:
-    def __init__(self, data: bytes | memoryview, at: int) -> None:
+    def __init__(self, data: bytes | memoryview, at: int, most: int) -> None:
         self.data, self.at = data, at
-        self._left = _MOST
+        self._most = self._left = most
 
     def struct(self) -> Struct:
         found: Struct = {}
@@ -97,7 +100,10 @@ class _Reader:
     def _count(self, more: int) -> None:
         self._left -= more
         if self._left < 0:
-            message = f"more than {_MOST} fields and elements"
+            message = (
+                f"it has more than {self._most:,} fields and elements: it is damaged, or needs more memory "
+                "(--memory) or larger row groups"
+            )
             raise ValueError(message)
 
     def _byte(self) -> int:

@@ -6,8 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from echocal.observations.file import LONGEST, TextFile, line_too_long
+from echocal.observations.file import TextFile
 from echocal.observations.layout import CUT_SIGN
+from echocal.observations.limits import LINE, too_long
 from echocal.observations.quotes import Marks
 
 __all__ = ["Block", "blocks_of"]
@@ -53,8 +54,8 @@ def blocks_of(file: TextFile, size: int) -> Iterator[Block]:
             return
         cut = part.rfind(b"\n") + 1
         data, rest = (b"".join((rest, memoryview(part)[:cut])), part[cut:]) if cut else (b"", rest + part)
-        if len(rest) > max(LONGEST, size):
-            raise line_too_long(file.path, first + data.count(b"\n"))
+        if len(rest) > max(LINE, size):
+            raise too_long(file.path, first + data.count(b"\n"))
         if data:
             yield Block(data, first)
             first += int(np.count_nonzero(np.frombuffer(data, np.uint8) == _LINE_FEED))

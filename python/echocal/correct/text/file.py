@@ -19,6 +19,7 @@ from echocal.correct.text.blocks import Block, blocks_of
 from echocal.correct.text.parse import Lines, Parser
 from echocal.correct.text.write import header_with_results, with_empty, with_results
 from echocal.errors import DataError, UsageError
+from echocal.keywords import command_line, keyword
 from echocal.model.folder import label
 from echocal.observations.file import TextFile
 from echocal.observations.found import CORRUPT, Found
@@ -60,7 +61,7 @@ class Text:
                 raise
             message = (
                 f"{error}. If echocal diagnose reads the log, it has another shape; a table of it: "
-                f"echocal inspect {path} --write table.csv"
+                + command_line("inspect", path, write="table.csv")
             )
             raise DataError(message) from None
         self.parser = Parser(path, self.head, _kinds(names, job), _absent(job))
@@ -134,7 +135,7 @@ def correct_text(
     text = Text(source, job, key)
     job = text.job
     if job.append_only is not None:
-        raise UsageError("--append-only is for Parquet; in a text file every line stays as it is")
+        raise UsageError(f"{keyword('append_only')} is for Parquet; in a text file every line stays as it is")
     tally = Tally(columns=list(text.head.names))
     separator = text.head.separator
     with writing_text(out, zipped) as file:

@@ -10,6 +10,7 @@ from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
 from echocal.diagnose.preprocess.view import View
 from echocal.diagnose.settings.faults import FaultSettings
 from echocal.errors import DataError
+from echocal.keywords import keyword
 from echocal.observations.checks import CODES
 from echocal.quantities import QUANTITIES
 
@@ -55,7 +56,8 @@ def detect(view: View, _: object, settings: FaultSettings) -> Found | None:
     if "temperature" in dead:  # laws of the air need one
         message = (
             f"{told}: the sensor was dead. A diagnosis needs the temperature of the air: map another "
-            'thermometer (--column "NAME=temperature_C"), or write what is known into the column'
+            f"thermometer ({keyword('columns', {'NAME': 'temperature_C'})}), or write what is known into the "
+            "column"
         )
         raise DataError(message)
     because = f"{told}: the sensor was dead; left out"

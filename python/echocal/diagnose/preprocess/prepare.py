@@ -17,6 +17,7 @@ from echocal.diagnose.preprocess.units import joined
 from echocal.diagnose.preprocess.usable import some, usable_rows
 from echocal.diagnose.settings.rows import RowSettings
 from echocal.errors import DataError
+from echocal.keywords import keyword
 from echocal.observations import Observations
 
 __all__ = ["prepare"]
@@ -96,14 +97,14 @@ def prepare(
     groups = np.cumsum(breaks) if labels is None else labels
     if reference is None and len(rows) - groups[-1] - 1 < settings.fewest:
         message = (
-            f"with --constant-distance the distance of each placement is unknown, and {len(rows)} usable "
-            f"rows have {groups[-1] + 1} of them. A diagnosis needs at least {settings.fewest} rows more "
-            "than placements"
+            f"with {keyword('constant_distance')} the distance of each placement is unknown, and "
+            f"{len(rows)} usable rows have {groups[-1] + 1} of them. A diagnosis needs at least "
+            f"{settings.fewest} rows more than placements"
         )
         if groups[-1]:
             message += (
                 ": column 'stand' changes that often: sort the rows by placement, leave the column out "
-                '(--column "stand=ignore"), or leave the option out'
+                f"({keyword('columns', {'stand': 'ignore'})}), or leave the option out"
             )
         raise DataError(message)
     table = Table(

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from echocal.errors import DataWarning, UsageError
+from echocal.keywords import keyword
 from echocal.observations import Observations
 from echocal.observations.fields import row
 from echocal.observations.units import NAMES
@@ -43,8 +44,9 @@ def reference_of(
         return np.full(len(observations), float(given))
     if observations.reference_distance is None:
         message = (
-            "the table has no reference distance: map a column to distance_m, give --reference-distance M, "
-            "or give --constant-distance if the target did not move"
+            "the table has no reference distance: map a column to distance_m, give "
+            f"{keyword('reference_distance')} in m, or give {keyword('constant_distance', True)} if the "
+            "target did not move"
         )
         raise UsageError(message)
     return observations.reference_distance
@@ -70,14 +72,16 @@ def refuse_contradiction(observations: Observations, given: float | None, consta
     if known is None or not (constant or given is not None):
         return
     column = observations.source_names.get("reference_distance", "reference_distance")
-    way = f'leave the option out, or if the column is no distance to the target: --column "{column}=ignore"'
+    ignored = keyword("columns", {column: "ignore"})
+    way = f"leave the option out, or if the column is no distance to the target: {ignored}"
     usable = np.flatnonzero(observations.usable & np.isfinite(known))
     if given is not None:
         apart = usable[np.abs(known[usable] - given) > _APART * given]
         if len(apart):
             message = (
-                f"--reference-distance says {given:g} m, and column '{column}' says {known[apart[0]]:g} m at "
-                f"{row(apart[0])} ({len(apart)} of {len(usable)} rows differ by more than 2 %); {way}"
+                f"{keyword('reference_distance')} says {given:g} m, and column '{column}' says "
+                f"{known[apart[0]]:g} m at {row(apart[0])} ({len(apart)} of {len(usable)} rows differ by "
+                f"more than 2 %); {way}"
             )
             raise UsageError(message)
         return
@@ -87,9 +91,9 @@ def refuse_contradiction(observations: Observations, given: float | None, consta
         low, high = rows[known[rows].argmin()], rows[known[rows].argmax()]
         if known[high] - known[low] > _APART * known[high]:
             message = (
-                f"--constant-distance says that the target did not move, and column '{column}' says "
-                f"{known[low]:g} m at {row(low)} and {known[high]:g} m at {row(high)}. The column is not "
-                "used. If the target moved, leave the option out"
+                f"{keyword('constant_distance')} says that the target did not move, and column '{column}' "
+                f"says {known[low]:g} m at {row(low)} and {known[high]:g} m at {row(high)}. The column is "
+                "not used. If the target moved, leave the option out"
             )
             warnings.warn(message, DataWarning, stacklevel=4)
             return

@@ -16,6 +16,7 @@ from echocal.diagnose.results.explain import explain
 from echocal.diagnose.results.outcome import Outcome
 from echocal.diagnose.results.smooth import refusal
 from echocal.errors import UsageError
+from echocal.keywords import keyword
 from echocal.model import Model
 from echocal.observations import Observations
 from echocal.outputs import replace_text
@@ -217,7 +218,7 @@ class Diagnosis(Shown, Outcome):
             message = (
                 f"the unexplained term against {found.against} does not reduce the error on {rows} "
                 f"({without:.2f} mm without it, {with_it:.2f} mm with it), so it cannot extend the model; "
-                "use the model without it (on the command line: omit --with-shape)"
+                f"use the model without it (omit {keyword('with_shape')})"
             )
             raise UsageError(message)
         return self.model.with_shape(found.shape)

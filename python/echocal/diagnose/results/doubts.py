@@ -6,6 +6,7 @@ import numpy as np
 
 from echocal.diagnose.inference.case import Case
 from echocal.diagnose.selection.claims import Claim
+from echocal.keywords import keyword
 
 __all__ = ["doubts_about"]
 
@@ -39,5 +40,5 @@ def doubts_about(case: Case, claim: Claim) -> Iterator[str]:
         yield (
             f"readings of a device that converts with {speed:.1f} m/s, and not with the stated "
             f"{table.stated_speed} m/s, have the same error as {claim.cause}. Read the speed in the firmware "
-            "or the manual, and give it with --reading-speed"
+            f"or the manual, and give it with {keyword('reading_speed')}"
         )

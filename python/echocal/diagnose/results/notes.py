@@ -14,6 +14,7 @@ from echocal.diagnose.results.doubts import doubts_about
 from echocal.diagnose.results.level_steps import LevelStep
 from echocal.diagnose.selection.claims import free_size
 from echocal.diagnose.validation.validate import Validation
+from echocal.keywords import command_line, keyword
 from echocal.observations import Observations
 from echocal.quantities import QUANTITIES
 from echocal.registry import find_effect
@@ -46,7 +47,7 @@ def notes(
     if passing := ", ".join(validation.model.campaign_effects):
         said.append(
             f"the model includes {passing} for this campaign only. For other campaigns, leave it out "
-            "(Model.transferable, echocal correct --transferable)"
+            f"(Model.transferable, {command_line('correct', transferable=True)})"
         )
     if steps:
         at = "; ".join(str(step) for step in steps[:_SHOWN])
@@ -59,7 +60,7 @@ def notes(
     if case.table.reference is None and given is not None and np.nanmax(given) > np.nanmin(given):
         said.append(
             f"the reference distances ({np.nanmin(given):g} to {np.nanmax(given):g} m) are not used, because "
-            "--constant-distance is given. If the distance is not constant, omit this option"
+            f"{keyword('constant_distance')} is given. If the distance is not constant, omit this option"
         )
     if case.table.reference is not None and np.ptp(case.table.reference) == 0:
         said.append(
@@ -76,7 +77,7 @@ def _both(case: Case, observations: Observations) -> list[str]:
     echo = observations.source_names.get("echo_time", "echo_s")
     return [
         "the table has readings and echo times. The diagnosis uses the echo times, because the arithmetic of "
-        f'the device does not change them. To diagnose the readings: --column "{echo}=ignore"'
+        f"the device does not change them. To diagnose the readings: {keyword('columns', {echo: 'ignore'})}"
     ]
 
 
@@ -115,7 +116,7 @@ def _aside(case: Case) -> list[str]:
         f"{tried} of the {tried + len(aside)} further columns that vary and have no gaps were searched for "
         f"an effect outside the catalogue. They were chosen by {MEASURE}. Not searched: "
         f"{', '.join(aside[:_SHOWN])}{more}. To search one of these, ignore another column: "
-        '--column "NAME=ignore"'
+        f"{keyword('columns', {'NAME': 'ignore'})}"
     ]
 
 

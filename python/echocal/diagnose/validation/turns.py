@@ -11,6 +11,7 @@ from echocal.diagnose.findings.sentences import enumerated
 from echocal.diagnose.inference.case import Case
 from echocal.diagnose.inference.smoothing import MOST_ROWS
 from echocal.diagnose.preprocess.table import Table, levels
+from echocal.keywords import keyword
 from echocal.model import Model
 
 __all__ = ["FAR", "FAR_FROM_CHANCE", "Turns", "in_turns"]
@@ -115,5 +116,5 @@ def _sentence(period: int, mean: Column, row: Labels, turn: Labels, rms: float) 
         f"the readings take turns with a period of {period} rows: from row {min(first)} on they are "
         f"{enumerated(above)} mm above the lowest turn, over and over. Without these differences "
         f"{1e3 * rms:.2f} mm would be left. Several sensors, or versions of a firmware, may have written one "
-        "log. Diagnose them apart: add a column that tells them apart, and give --by COLUMN"
+        f"log. Diagnose them apart: add a column that tells them apart, and give {keyword('by', 'COLUMN')}"
     )

@@ -4,10 +4,17 @@ A format is a module with ``NAME``, ``recognizes(lines)`` of the first lines, an
 Delimited text, TOA5 and LabVIEW among it, is read by `echocal.observations.text`.
 """
 
+from collections.abc import Iterator
+from itertools import islice
+from types import ModuleType
+from typing import TextIO
+
 import pandas as pd
 
 from echocal.observations.file import TextFile
 from echocal.observations.found import Found, found_in, keep
+from echocal.observations.heading import FIRST
+from echocal.observations.limits import refuse_log_line
 from echocal.observations.readers import (
     bursts,
     cell_units,
@@ -47,6 +54,9 @@ _FORMATS = (
 _STEPS = (ros.step, cell_units.step, long_tables.step, bursts.step, times.step, unit_names.step, repeats.step)
 
 
+_LOOK = 1 << 16  # characters of a line that tell the format; a document of JSON is one line
+
+
 def read(file: TextFile, sheet: str | None = None) -> pd.DataFrame | None:
     """Read a log that is no delimited text; None for one that is.
 
@@ -61,8 +71,8 @@ def read(file: TextFile, sheet: str | None = None) -> pd.DataFrame | None:
     if form is None:
         return None
     with file.opened() as data, file.below(data, file.layout.skip_lines) as text:
-        log = form.read([plain(line.rstrip("\r\n")) for line in text], str(file.path))
-    table = log.table()
+        log = form.read(list(_lines(text, form, file)), str(file.path))
+    table = log.table(str(file.path))
     found = Found(
         form.NAME,
         log.units,
@@ -74,6 +84,13 @@ def read(file: TextFile, sheet: str | None = None) -> pd.DataFrame | None:
         log.joined,
     )
     return keep(table, found)
+
+
+def _lines(text: TextIO, form: ModuleType, file: TextFile) -> Iterator[str]:
+    for number, line in enumerate(text, 1):
+        if form is not json_records:
+            refuse_log_line(line, number, file.path)
+        yield plain(line.rstrip("\r\n"))
 
 
 def format_of(file: TextFile) -> str:
@@ -96,5 +113,7 @@ def tidy(table: pd.DataFrame) -> pd.DataFrame:
 
 
 def _form(file: TextFile):  # type: ignore[no-untyped-def]
-    lines = [own for line in file.first if (own := plain(line.rstrip("\r\n"))).strip()]
+    begins = (line[at : at + _LOOK] for line in file.first for at in range(0, len(line), _LOOK))
+    plainly = (plain(line.rstrip("\r\n")) for line in islice(begins, FIRST))
+    lines = [line for line in plainly if line.strip()]
     return next((form for form in _FORMATS if lines and form.recognizes(lines)), None)

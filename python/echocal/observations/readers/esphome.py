@@ -8,6 +8,7 @@ from typing import Literal
 import numpy as np
 import pandas as pd
 
+from echocal.keywords import keyword
 from echocal.observations.readers.events import Event, rows_of
 from echocal.observations.readers.leads import ranger_names
 from echocal.observations.readers.log import Log
@@ -35,10 +36,7 @@ _CONFIGURATION = re.compile(r"(?:^|[\]\s])\[C\]\[")
 """What a component is set to: each session begins with it."""
 _OF_NAME = re.compile(r"'(?P<name>[^']+)' - ")
 _FIXED_SPEED = re.compile(r"sensor\.ultrasonic|ultrasonic\.sensor")
-_NOTE = (
-    "the component 'ultrasonic' of ESPHome makes readings with 343 m/s (us_to_m in ultrasonic_sensor.cpp): "
-    "--reading-speed 343"
-)
+_NOTE = "the component 'ultrasonic' of ESPHome makes readings with 343 m/s (us_to_m in ultrasonic_sensor.cpp)"
 _WIDE = 300  # characters that tell of what kind a line is
 _SPELLED = "Got distance"
 
@@ -80,7 +78,7 @@ def read(lines: Sequence[str], path: str) -> Log:
     columns = list(dict.fromkeys(_column(name, own, rangers) for own in first for name in own.holds))
     log = rows_of(events, columns, log, beside=[sensor])
     if any(_FIXED_SPEED.fullmatch(own.line.tag) for own in first):
-        log.notes.append(_NOTE)
+        log.notes.append(f"{_NOTE}: {keyword('reading_speed', 343)}")
     _settle(log, columns, sensor)
     return log
 

@@ -1,10 +1,11 @@
 """JSON: one record a line, a list of records, columns, or records within a message (TTN, ThingSpeak)."""
 
-import json
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from typing import Any
 
 from echocal.errors import DataError
+from echocal.observations.limits import from_json
 from echocal.observations.readers.events import of_several_messages
 from echocal.observations.readers.log import Log
 
@@ -25,7 +26,7 @@ def read(lines: Sequence[str], path: str) -> Log:
     """Read the records; names of nested values are joined by points."""
     text = "\n".join(lines).lstrip("﻿")
     try:
-        whole = json.loads(text)
+        whole = from_json(text)
     except ValueError:
         return _lines(lines, path)
     log = Log([])
@@ -37,20 +38,23 @@ def read(lines: Sequence[str], path: str) -> Log:
 
 
 def _lines(lines: Sequence[str], path: str) -> Log:
-    log, records = Log([]), []
+    log, records, why = Log([]), [], ""
     filled = [line for line in lines if line.strip()]
     for line in filled:
         try:
-            record = json.loads(line.strip().rstrip(","))
-        except ValueError:
-            record = None
+            record = from_json(line.strip().rstrip(","))
+        except ValueError as error:
+            record, why = None, why or str(error)
         if isinstance(record, Mapping):
             records.append(flat(record))
         else:
             log.corrupt[len(records)] = line
             records.append({})
     if 2 * len(log.corrupt) >= len(records):
-        message = f"{path} is JSON that cannot be read; write one record a line, or save the table as CSV"
+        message = (
+            f"{path} is JSON that cannot be read{why and f' ({why})'}; write one record a line, or save the "
+            "table as CSV"
+        )
         raise DataError(message)
     return of_several_messages(_short(records), log)
 
@@ -107,5 +111,6 @@ def _short(records: list[dict[str, Any]]) -> list[dict[str, Any]]:
     """The last part of each name, where no other name has it."""
     names = dict.fromkeys(name for record in records for name in record)
     last = [name.rpartition(".")[2] for name in names]
-    short = {name: own if last.count(own) == 1 else name for name, own in zip(names, last, strict=True)}
+    times = Counter(last)
+    short = {name: own if times[own] == 1 else name for name, own in zip(names, last, strict=True)}
     return [{short[name]: value for name, value in record.items()} for record in records]

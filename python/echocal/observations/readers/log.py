@@ -11,6 +11,7 @@ import pandas as pd
 from echocal.errors import DataError
 from echocal.observations.fields import shown
 from echocal.observations.join import Join
+from echocal.observations.limits import refuse_cells, refuse_names
 from echocal.observations.numbers import NO_NUMBER
 from echocal.observations.silence import NO_ECHO, says_no_echo
 
@@ -44,17 +45,19 @@ class Log:
     requests: dict[str, str] = field(default_factory=dict)
     joined: dict[str, Join] = field(default_factory=dict)
 
-    def table(self) -> pd.DataFrame:
+    def table(self, path: str) -> pd.DataFrame:
         """Columns in the order in which they appear; numbers where all values are such.
 
         Raises
         ------
         DataError
-            If no row has a value.
+            If no row has a value, or there are more columns than a table can have.
         """
         names = dict.fromkeys(name for record in self.records for name in record)
         if not names:
             raise DataError("the log has no values")
+        refuse_names(names, path)
+        refuse_cells(len(self.records), len(names), sum(map(len, self.records)), path)
         columns = {name: [record.get(name) for record in self.records] for name in names}
         self._give_reasons()
         return pd.DataFrame(

@@ -1,11 +1,11 @@
 """Messages of a log that end in JSON: ``14 May 22:00:00 - [info] [function:dist] {"distance": 185.5}``."""
 
-import json
 import re
 from collections.abc import Mapping, Sequence
 from typing import Any
 
 from echocal.observations.hints import is_time_name
+from echocal.observations.limits import from_json
 from echocal.observations.readers.events import of_several_messages
 from echocal.observations.readers.json_records import flat
 from echocal.observations.readers.log import Log
@@ -43,7 +43,7 @@ def _values(line: str) -> dict[str, Any] | None:
     if match is None:
         return None
     try:
-        record = json.loads(match["json"])
+        record = from_json(match["json"])
     except ValueError:
         return None
     if not isinstance(record, Mapping):

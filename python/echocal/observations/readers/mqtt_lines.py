@@ -1,6 +1,5 @@
 """Lines of ``mosquitto_sub -v``: a topic and its payload, a number or JSON (Tasmota, Zigbee2MQTT)."""
 
-import json
 import re
 from collections import Counter
 from collections.abc import Collection, Sequence
@@ -8,6 +7,7 @@ from typing import Any
 
 from echocal.observations.fields import shown
 from echocal.observations.hints import is_time_name
+from echocal.observations.limits import from_json
 from echocal.observations.readers.events import Event, rows_of
 from echocal.observations.readers.json_records import flat
 from echocal.observations.readers.leads import ranger_names
@@ -62,7 +62,7 @@ def _values(topic: str, payload: str) -> dict[str, Any] | None:
     if not payload.startswith("{"):
         return {topic: payload}
     try:
-        return {f"{topic}.{name}": own for name, own in flat(json.loads(payload)).items()}
+        return {f"{topic}.{name}": own for name, own in flat(from_json(payload)).items()}
     except ValueError:
         return None
 

@@ -1,20 +1,33 @@
 """Spreadsheets: .xlsx, .xls, .ods."""
 
+import re
+import zipfile
+import zlib
 from datetime import date, datetime, time, timedelta
 from pathlib import Path
-from typing import Any
+from typing import IO, Any
 
 import pandas as pd
 
 from echocal.errors import DataError, UsageError
+from echocal.keywords import keyword
 from echocal.observations.found import Found, keep
 from echocal.observations.heading import is_value
+from echocal.observations.limits import refuse_cells
 from echocal.observations.readers.log import numeric
 from echocal.observations.units_said import is_unit_row
 
 __all__ = ["NAME", "read"]
 
 NAME = "a spreadsheet"
+
+_SHEET = re.compile(r"xl/worksheets/[^/]+\.xml")
+_CELL = re.compile(rb"\br=[\"']([A-Z]{1,3})(\d{1,7})[\"']")  # a row has digits only
+_TAG = 1 << 16  # bytes of such an attribute at most
+_PART = 1 << 20  # bytes that are looked at together
+
+_LARGEST = 1 << 30
+"""Bytes of a part of a spreadsheet, unpacked: twenty million cells; judgement."""
 
 
 def read(path: Path, sheet: str | None, skip_rows: int = 0) -> pd.DataFrame:
@@ -32,6 +45,7 @@ def read(path: Path, sheet: str | None, skip_rows: int = 0) -> pd.DataFrame:
     except ImportError:
         message = f"{path} is a spreadsheet: pip install 'echocal[excel]', or save the table as CSV"
         raise DataError(message) from None
+    _refuse_extent(path)
     try:
         book = CalamineWorkbook.from_path(str(path))
     except Exception as error:
@@ -49,13 +63,53 @@ def read(path: Path, sheet: str | None, skip_rows: int = 0) -> pd.DataFrame:
         ]
         table = _table(rows)
         if table is not None:
-            notes = (
-                (f"sheet '{name}' of {len(names)} is read; another: --sheet NAME",) if len(names) > 1 else ()
-            )
+            other = f"sheet '{name}' of {len(names)} is read; another: {keyword('sheet', 'NAME')}"
+            notes = (other,) if len(names) > 1 else ()
             frame, units = table
             return keep(frame, Found(NAME, units, () if sheet else notes, streams=False))
     message = f"{path} has no sheet with a row of names and rows of values below"
     raise DataError(message)
+
+
+def _refuse_extent(path: Path) -> None:
+    """Refuse a sheet with a cell far from the others: all cells between would be held in memory."""
+    try:
+        with zipfile.ZipFile(path) as archive:
+            for part in archive.infolist():
+                if part.file_size > _LARGEST:
+                    message = (
+                        f"{path}: {part.filename} in it has {part.file_size:,} bytes, and {_LARGEST:,} are "
+                        "the most; save the table as CSV"
+                    )
+                    raise DataError(message)
+                if _SHEET.fullmatch(part.filename):
+                    with archive.open(part) as file:
+                        refuse_cells(*_extent(file), f"{path}: {part.filename}")
+    except (OSError, RuntimeError, NotImplementedError, EOFError, zipfile.BadZipFile, zlib.error):
+        return  # the reader tells
+
+
+def _extent(file: IO[bytes]) -> tuple[int, int, int]:
+    """Rows and columns of a sheet down to its last cell, and the cells that it has."""
+    rows = columns = filled = 0
+    rest = b""
+    while data := file.read(_PART):
+        data = rest + data
+        end = data.rfind(b">", max(len(data) - _TAG, 0)) + 1 or len(data)
+        if cells := _CELL.findall(data, 0, end):
+            letters, digits = zip(*cells, strict=True)
+            rows = max(rows, *map(int, set(digits)))
+            columns = max(columns, *map(_number, set(letters)))
+            filled += len(cells)
+        rest = data[end:]
+    return rows, columns, filled
+
+
+def _number(letters: bytes) -> int:
+    number = 0
+    for letter in letters:
+        number = 26 * number + letter - 64
+    return number
 
 
 def _table(rows: list[list[Any]]) -> tuple[pd.DataFrame, dict[str, str]] | None:

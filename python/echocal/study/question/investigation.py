@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from echocal.errors import DataError
+from echocal.keywords import command_line
 from echocal.study.question import scenes
 from echocal.study.question.experiment import Readings, run_all
 from echocal.study.question.laws import ALL, suspect
@@ -22,6 +23,7 @@ Column = NDArray[np.float64]
 Progress = Callable[[int, int], object]
 
 SCHEMA = "echocal.study_question/1"
+MADE_BY = command_line("study", emulate=True)
 NEAR = 0.5
 """Second distance [m]."""
 
@@ -60,7 +62,7 @@ class Investigation:
         }
         head = {
             "schema": SCHEMA,
-            "made_by": "echocal study --emulate",
+            "made_by": MADE_BY,
             "temperature_C": self.temperature.tolist(),
             "distance_m": {"far": DISTANCE, "near": NEAR},
         }
@@ -86,10 +88,7 @@ class Investigation:
             }
             temperature = np.array(content["temperature_C"], dtype=np.float64)
         except (OSError, ValueError, KeyError, TypeError) as error:
-            message = (
-                f"{path} holds no readings of the study's question: {error}; make them: "
-                "echocal study --emulate"
-            )
+            message = f"{path} holds no readings of the study's question: {error}; make them: {MADE_BY}"
             raise DataError(message) from None
         told = {name: (parts["told_far"][name], parts["told_near"][name]) for name in parts["told_far"]}
         return cls(temperature, parts["far"], parts["near"], told)

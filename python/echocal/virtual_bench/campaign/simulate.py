@@ -9,6 +9,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from echocal.errors import UsageError
+from echocal.keywords import command_line
 from echocal.virtual_bench.campaign.campaign import INTERFERENCE, TILT, Campaign, Random
 from echocal.virtual_bench.campaign.causes import CAUSES
 from echocal.virtual_bench.campaign.designs import lay_down
@@ -62,8 +63,8 @@ class Simulation:
             {"id": name, "size": size, "unit": CAUSES[name].unit, "sentence": CAUSES[name].sentence}
             for name, size in self.causes.items()
         ]
-        known = "--constant-distance" if self.campaign.unknown_constant else ""
-        words = f"echocal diagnose TABLE {'--base cramer' if 'echo_us' in self.table else ''} {known}"
+        base = "cramer" if "echo_us" in self.table else None
+        unknown = self.campaign.unknown_constant
         return {
             "schema": "echocal.simulation/1",
             "design": self.campaign.design,
@@ -72,7 +73,7 @@ class Simulation:
             "rows": len(self.table),
             "causes": staged,
             "notes": list(self.notes),
-            "diagnose": " ".join(words.split()),
+            "diagnose": command_line("diagnose", "TABLE", base=base, constant_distance=unknown),
         }
 
 

@@ -1,0 +1,99 @@
+"""How a message names a keyword argument: as Python spells it, or as the flag of the command that runs."""
+
+import shlex
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from functools import partial
+from numbers import Real
+from typing import Any
+
+__all__ = ["as_here", "command_line", "keyword", "naming"]
+
+_flags: Mapping[str, str] | None = None
+"""Flag of each keyword of the command that runs; None where Python calls. One for all threads."""
+
+
+def keyword(name: str, *value: Any) -> str:
+    """Name a keyword argument to the user, with its value if there is one.
+
+    A command has no keywords. While one runs, the same call gives its flag.
+
+    Examples
+    --------
+    >>> keyword("round_mm", 0.5), keyword("columns", {"SR_U": "reading_m"})
+    ('round_mm=0.5', "columns={'SR_U': 'reading_m'}")
+    >>> with naming({"columns": "--column"}):
+    ...     print(keyword("round_mm", 0.5), keyword("columns", {"SR_U": "reading_m"}), keyword("force", True))
+    --round-mm 0.5 --column "SR_U=reading_m" --force
+    """
+    if _flags is None:
+        return "=".join([name, *map(_python, value)])
+    flag = _flags.get(name) or _flag(name)
+    match value:
+        case (bool(given),):
+            return flag if given else flag.replace("--", "--no-", 1)
+        case (Mapping() as pairs,):
+            return " ".join(f"{flag} {_quoted(f'{own}={_plain(one)}')}" for own, one in pairs.items())
+        case (list() | tuple() as listed,):
+            return " ".join(f"{flag} {_quoted(str(own))}" for own in listed)
+    words = (text if shlex.quote(text) == text else _quoted(text) for text in map(_plain, value))
+    return " ".join([flag, *words])
+
+
+def command_line(command: str, *words: object, **options: Any) -> str:
+    """A command that the user can run, whatever calls; an option that is None or False is left out.
+
+    Examples
+    --------
+    >>> command_line("inspect", "my log.csv", write="table.csv", sheet=None, force=True)
+    "echocal inspect 'my log.csv' --write table.csv --force"
+    """
+    parts = ["echocal", *command.split(), *map(str, words)]
+    for name, given in options.items():
+        for one in given if isinstance(given, list) else [given]:
+            text = _plain(one)
+            if one is True:
+                parts.append(_flag(name))
+            elif one is not None and one is not False:
+                parts += [f"{_flag(name)}={text}"] if text.startswith("-") else [_flag(name), text]
+    return shlex.join(parts)
+
+
+@contextmanager
+def naming(flags: Mapping[str, str] | None) -> Iterator[None]:
+    """Name keywords by the flags of a command while a block runs; one that is not there, by its own name."""
+    global _flags
+    before, _flags = _flags, flags
+    try:
+        yield
+    finally:
+        _flags = before
+
+
+def as_here(work: Callable[..., Any]) -> Callable[..., Any]:
+    """The same work, which names keywords in another process as this one does."""
+    return partial(_named, None if _flags is None else dict(_flags), work)
+
+
+def _named(flags: Mapping[str, str] | None, work: Callable[..., Any], task: Any) -> Any:
+    with naming(flags):
+        return work(task)
+
+
+def _flag(name: str) -> str:
+    return f"--{name.replace('_', '-')}"
+
+
+def _python(value: Any) -> str:
+    if isinstance(value, Mapping):
+        return f"{{{', '.join(f'{name!r}: {_python(one)}' for name, one in value.items())}}}"
+    return _plain(value) if isinstance(value, Real) else repr(value)
+
+
+def _plain(value: Any) -> str:
+    return f"{value:.12g}" if isinstance(value, Real) and not isinstance(value, bool) else str(value)
+
+
+def _quoted(text: str) -> str:
+    """A word of a shell, in double quotes, which every shell has, where it can be."""
+    return shlex.quote(text) if set('"$`\\!') & set(text) else f'"{text}"'
