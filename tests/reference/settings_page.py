@@ -250,6 +250,13 @@ CORE = (
         "range of the readings of a wild row (Eq. 1a); argument: half of the range of an HC-SR04",
     ),
     (
+        "PROBABLE",
+        "probability",
+        "settings/threshold.py",
+        "from it on a noise, a fault, a step of the level or an unexplained term counts as present; more "
+        "probable than not",
+    ),
+    (
         "VARIANCE_FLOOR",
         "m",
         "settings/noise_models.py",

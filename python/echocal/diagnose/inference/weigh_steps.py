@@ -22,6 +22,7 @@ from echocal.diagnose.preprocess.folds import Folds
 from echocal.diagnose.preprocess.segments import divided
 from echocal.diagnose.preprocess.table import Table
 from echocal.diagnose.settings import Settings
+from echocal.diagnose.settings.threshold import PROBABLE
 
 __all__ = ["StepPosterior", "weigh_steps"]
 
@@ -76,7 +77,7 @@ class StepPosterior:
     def kept(self, blocks: Mask) -> Table:
         """The table with the steps that are probable in the rows of some blocks."""
         settings, probability = self.case.settings.rows, self.probability(blocks)
-        rows = np.union1d(self.rows[probability >= settings.step_kept], self.certain)
+        rows = np.union1d(self.rows[probability >= PROBABLE], self.certain)
         told = dict(zip(self.rows.tolist(), probability.tolist(), strict=True))
         return replace(divided(self.table, rows, settings.gap), step_probability=told)
 

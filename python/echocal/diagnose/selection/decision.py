@@ -9,6 +9,7 @@ from echocal.diagnose.selection.claims import Claim, Ranking, claims
 from echocal.diagnose.selection.parsimony import Ids
 from echocal.diagnose.selection.slow_noise import LeastFavorable
 from echocal.diagnose.selection.unexplained_term import term_is_told
+from echocal.diagnose.settings.threshold import PROBABLE
 
 __all__ = ["claim_or_not", "is_claimed", "threshold_of"]
 
@@ -75,7 +76,7 @@ def threshold_of(rows: int, ranking: Ranking, shares: NoisePosterior) -> float:
     settings = ranking.settings.claims
     found = [{id_: p * q for id_, q in shares.nuisance_of(ids).items()} for ids, p in ranking.sets]
     present = (sum(one.get(noise.facts.id, 0.0) for one in found) for noise in registry.nuisances())
-    if max(present, default=0.0) > settings.noisy_from:
+    if max(present, default=0.0) > PROBABLE:
         return settings.claim_below_amid_noise
     return settings.claim_below_of_few if rows < settings.few_rows else settings.claim_below
 

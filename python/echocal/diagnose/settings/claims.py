@@ -41,9 +41,6 @@ class ClaimSettings:
         "750 fresh nulls when claim_below was 0.44: half the false alarms at the same power; not repeated "
         "since",
     )
-    noisy_from: float = threshold(
-        0.5, "probability", "from it on, such noise counts as present; more probable than not"
-    )
     named: float = threshold(
         0.9, "probability", "from it on, a class of causes is named; promise of the interface"
     )
@@ -72,9 +69,6 @@ class ClaimSettings:
         "from it on, another possible cause is listed, and sets of effects beside larger ones are tried; "
         "chosen by hand",
     )
-    unexplained_from: float = threshold(
-        0.5, "probability", "from it on, an unexplained term is reported; more probable than not"
-    )
     confirmed: float = threshold(
         3.0,
         "log score",
@@ -95,7 +89,4 @@ class ClaimSettings:
         "a cause with a larger size is not named; the model keeps it; argument: 1 in 31 sizes is larger by "
         "Eq. 6; the prior of an effect outside the catalogue is 1 in 20. Without it, 3 of 12 tanks whose "
         "thermometer is in the box get the name of a gain that is wrong",
-    )
-    reported_from: float = threshold(
-        0.5, "probability", "from it on, a noise or a fault is reported; more probable than not"
     )

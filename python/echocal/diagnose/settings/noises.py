@@ -12,9 +12,6 @@ __all__ = ["NoiseSettings"]
 class NoiseSettings(CauseSettings):
     """All numbers that decide about noises."""
 
-    found: float = threshold(
-        0.5, "1", "probability from which on a quantization counts as present: more likely than not"
-    )
     step_by_chance: float = threshold(
         0.05,
         "1",
@@ -51,11 +48,6 @@ class NoiseSettings(CauseSettings):
         2.0,
         "1",
         "standard errors of a moment from which on a fit is tried; without such noise, 1 table in 40",
-    )
-    subtracted: float = threshold(
-        0.5,
-        "1",
-        "probability from which on what a noise adds to each row is subtracted: more likely than not",
     )
     scattered_part: float = threshold(
         0.15,

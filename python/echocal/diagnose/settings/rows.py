@@ -83,9 +83,6 @@ class RowSettings:
         "that the level has one step more, for each number of steps; the places of so many steps are "
         "equally probable; chosen by hand: the place, ln n, costs far more",
     )
-    step_kept: float = threshold(
-        0.5, "probability", "from it on, a step of an unknown level is kept; more probable than not"
-    )
     step_beyond_air: float = threshold(
         0.05,
         "of the reading",

@@ -1,7 +1,7 @@
 """The search for every fault in turn."""
 
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 from echocal.diagnose.faults import registry
@@ -12,6 +12,7 @@ from echocal.diagnose.preprocess.base import Base
 from echocal.diagnose.preprocess.view import View
 from echocal.diagnose.settings.faults import FaultSettings
 from echocal.diagnose.settings.noises import NoiseSettings
+from echocal.diagnose.settings.threshold import PROBABLE
 from echocal.observations import Observations
 from echocal.observations.marks import MARKS, RowRule
 
@@ -30,17 +31,15 @@ class Faults:
         The table as the rest of the diagnosis takes it.
     found : tuple of Finding
         Also those that are not accepted, as long as they are possible.
-    settings : FaultSettings
     """
 
     observations: Observations
     found: tuple[Finding, ...]
-    settings: FaultSettings = field(default_factory=FaultSettings)
 
     @property
     def accepted(self) -> tuple[Finding, ...]:
         """Faults that the table was repaired of."""
-        return tuple(f for f in self.found if f.probability >= self.settings.accepted)
+        return tuple(f for f in self.found if f.probability >= PROBABLE)
 
     @property
     def quantizations(self) -> list[str]:
@@ -142,7 +141,7 @@ def find_faults(
         finding = fault.search(view, settings)
         if finding is None or not finding.probability >= settings.listed:  # nor one that is not a number
             continue
-        if finding.probability >= settings.accepted and finding.repaired is not None:
+        if finding.probability >= PROBABLE and finding.repaired is not None:
             after = view.after(finding.repaired)
             if fault.facts.kind == "row" and after.good.sum() < _FEWEST <= view.good.sum():
                 continue  # what nearly all rows have is the scene, and no fault of rows
@@ -152,7 +151,7 @@ def find_faults(
     if view.good.any():
         steps, harmless, view = find_steps(view, noise_settings)
         found += steps
-    reported = [f for f in found if f.probability >= settings.accepted and f.facts.kind != "noise"]
+    reported = [f for f in found if f.probability >= PROBABLE and f.facts.kind != "noise"]
     notes = tuple(f"{f.cause}: {f.because}" for f in reported)
     notes = (*observations.notes, *notes, *harmless)
-    return Faults(replace(view.observations, notes=notes), tuple(found), settings)
+    return Faults(replace(view.observations, notes=notes), tuple(found))

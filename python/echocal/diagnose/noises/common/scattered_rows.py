@@ -13,6 +13,7 @@ from echocal.diagnose.inference.posterior import Inference
 from echocal.diagnose.noises.common.posterior import NoisePosterior, Traced, sampled
 from echocal.diagnose.noises.common.without import without
 from echocal.diagnose.settings.noises import NoiseSettings
+from echocal.diagnose.settings.threshold import PROBABLE
 
 __all__ = ["Scattered", "without_scattered_rows"]
 
@@ -107,7 +108,7 @@ def without_scattered_rows(
     """
     settings = case.settings.noises
     likely = (max(one.values(), default=0.0) for one in shares.fitted.values())
-    if max(likely, default=0.0) >= settings.subtracted:
+    if max(likely, default=0.0) >= PROBABLE:
         return None
     fits, off, other = shares.fits, np.zeros(len(case.table)), None
     for _ in range(_ROUNDS):
