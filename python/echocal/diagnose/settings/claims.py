@@ -16,14 +16,9 @@ class ClaimSettings:
         "P(no effect)",
         "below it an effect is claimed, even if each single effect is improbable; tested only if the best "
         "set of effects is empty; chosen by hand on development tables; no script repeats it. "
-        "docs/diagnosis-benchmark.md has the false alarms; the target is 0.02",
-    )
-    claim_below_of_few: float = threshold(
-        0.44,
-        "P(no effect)",
-        "the same, if there are too few rows to detect autocorrelated noise; then also under each single "
-        "autoregression of the noise; the prior of no cause: the data must support an effect. 539 nulls of "
-        "design a were run, see docs/method/evidence.md",
+        "docs/diagnosis-benchmark.md has the false alarms; the target is 0.02. Of few rows, the prior "
+        "of no cause (`priors.no_cause`) takes its place, then also under each single autoregression of the "
+        "noise: the data must support an effect. 539 nulls of design a were run, see docs/method/evidence.md",
     )
     possible_autoregression: float = threshold(
         3.0,
