@@ -60,7 +60,7 @@ def least_favorable(case: Case, ranking: Ranking, reduced: Stack) -> LeastFavora
     log = np.array([fit.log_posterior for fit in ranking.fits])
     share = np.exp(log - log.max())[:, None] * (np.array([fit.noise for fit in ranking.fits]) @ weights)
     total = share.sum(axis=0)
-    usual = total >= total.max() * np.exp(-case.settings.claims.possible_autoregression)
+    usual = total >= total.max() * np.exp(-case.settings.claims.strong)
     share = share[:, usual] / total[usual]
 
     def of(kind: Callable[[Hypothesis], bool]) -> Matrix:

@@ -20,12 +20,6 @@ class ClaimSettings:
         "of no cause (`priors.no_cause`) takes its place, then also under each single autoregression of the "
         "noise: the data must support an effect. 539 nulls of design a were run, see docs/method/evidence.md",
     )
-    possible_autoregression: float = threshold(
-        3.0,
-        "log odds",
-        "an autoregression under which few rows are less probable by more, whatever acts, does not count; "
-        "argument: odds of 20, which count as strong evidence (doi:10.1080/01621459.1995.10476572)",
-    )
     few_rows: int = threshold(
         100, "rows", "fewer rows are too few to detect autocorrelated noise; chosen by hand"
     )
@@ -43,7 +37,7 @@ class ClaimSettings:
     separable: float = threshold(
         3.0,
         "expected log odds",
-        "below it two causes are in one class; argument: odds of 20, as for `confirmed`. On 110 tables of "
+        "below it two causes are in one class; argument: odds of 20, as for `strong`. On 110 tables of "
         "the virtual bench, 1.0 names 3 single causes and a pair less, 3 confident wrong names more",
     )
     plausible_size: float = threshold(
@@ -64,12 +58,13 @@ class ClaimSettings:
         "from it on, another possible cause is listed, and sets of effects beside larger ones are tried; "
         "chosen by hand",
     )
-    confirmed: float = threshold(
+    strong: float = threshold(
         3.0,
-        "log score",
+        "log odds",
         "a cause beside others is named if the rows that judge the model are more probable with it by this; "
-        "argument: odds of 20, which count as strong evidence (doi:10.1080/01621459.1995.10476572). In 28 "
-        "logs of examples/make_snow.py with held-out rows, it withholds 2 of 3 false names and no true one",
+        "an autoregression under which few rows are less probable by more does not count; argument: odds of "
+        "20, which count as strong evidence (doi:10.1080/01621459.1995.10476572). In 28 logs of "
+        "examples/make_snow.py with held-out rows, it withholds 2 of 3 false names and no true one",
     )
     beyond_shared: float = threshold(
         2.0,
