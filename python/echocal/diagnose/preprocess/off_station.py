@@ -49,7 +49,7 @@ def far_from_station(
     """
     none = np.zeros(len(indication), dtype=bool)
     members = np.bincount(labels)
-    if np.median(members[members > 0]) < settings.station_tells:
+    if np.median(members[members > 0]) < settings.fewest:
         return none
     by_station = Grouped(labels)
     centers, usual, farthest = by_station.scatter(indication)
@@ -63,9 +63,9 @@ def far_from_station(
     if temperature is not None:
         warming = temperature - by_station.median(temperature)[labels]
         limit += settings.per_kelvin * np.abs(warming * indication)
-    far = (off > limit) & (members[labels] >= settings.station_tells)
+    far = (off > limit) & (members[labels] >= settings.fewest)
     first = int(far.argmax())
-    is_step = len(far) - first >= settings.station_tells and far[first:].mean() > settings.as_a_whole
+    is_step = len(far) - first >= settings.fewest and far[first:].mean() > settings.as_a_whole
     return none if far.any() and is_step else np.asarray(far)
 
 

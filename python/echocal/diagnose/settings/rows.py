@@ -11,7 +11,11 @@ __all__ = ["RowSettings"]
 class RowSettings:
     """Numbers of the preprocessing; see `echocal.diagnose.settings.table` for what each is."""
 
-    fewest: int = threshold(8, "rows", "fewest usable rows, fitted rows, and held-out rows; chosen by hand")
+    fewest: int = threshold(
+        8,
+        "rows",
+        "fewest usable rows, fitted rows, held-out rows, and rows of a station with a usual reading; by hand",
+    )
     wild: float = threshold(
         0.5,
         "probability",
@@ -42,7 +46,6 @@ class RowSettings:
         "a row farther from the median of its station is another echo, also under noise with heavy tails; "
         "chosen by hand",
     )
-    station_tells: int = threshold(8, "rows", "a station of fewer rows has no usual reading; chosen by hand")
     as_a_whole: float = threshold(
         0.5,
         "of the rows",
