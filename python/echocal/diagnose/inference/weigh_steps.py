@@ -36,7 +36,7 @@ Set = tuple[int, ...]
 _STEP_OF_THE_SENSOR = "step_change"
 """Id of the effect that is the same as a step of an unknown level."""
 
-_SETS, _BEHIND = 8, 7.0  # most sets of causes that steps are weighed beside, and log odds behind the best
+_SETS = 8  # most sets of causes that steps are weighed beside
 
 
 @dataclass(frozen=True, eq=False)
@@ -207,7 +207,7 @@ class _Tried:
         fits, _ = posterior(self.case.found, joined, self.case.settings)
         best: dict[tuple[str, ...], HypothesisFit] = {}
         for fit in fits:
-            if fit.log_posterior > fits[0].log_posterior - _BEHIND:
+            if fit.log_posterior > fits[0].log_posterior - self.case.settings.noises.negligible_odds:
                 best.setdefault(fit.hypothesis.ids, fit)
         found = [fit.hypothesis for fit in best.values()][:_SETS]
         nothing = Hypothesis((), core_prior(self.case.settings.priors).no_cause(bool(self.case.found.terms)))

@@ -37,7 +37,10 @@ class NoiseSettings(CauseSettings):
         "noises that add as much beside two sets are the same; odds of 1.6 decide nothing",
     )
     negligible_odds: float = threshold(
-        7.0, "log odds", "a set that is less probable by more, whatever the noise, has no share: 1 in 1,100"
+        7.0,
+        "log odds",
+        "a set that is less probable by more, whatever the noise, has no share, and a convection or a set "
+        "beside which steps of the level are weighed is pruned: 1 in 1,100",
     )
     segments: int = threshold(5, "1", "pieces of a long table that the likelihoods use; judgement")
     segment_rows: int = threshold(1000, "1", "rows of such a piece; judgement")
@@ -64,9 +67,6 @@ class NoiseSettings(CauseSettings):
     )
     autocorrelated: float = threshold(
         0.1, "1", "probability of autocorrelation from which on convection is tried; judgement"
-    )
-    convection_behind: float = threshold(
-        7.0, "1", "a convection that is less likely than the best noise by more is pruned: odds of 1 in 1,100"
     )
     matters: float = threshold(
         0.05, "1", "part of the noise's variance from which on a noise counts for the verdict; judgement"
