@@ -161,7 +161,7 @@ def _grouped(case: Case, name: str, levels: Labels) -> Case:
 def _log_with_errors(case: Case, inference: Inference) -> float:
     """Log evidence of all hypotheses under the noises with an error of each level."""
     some = np.array([noise.station_ratio > 0 for noise in inference.reduced.noises])
-    return log_evidence(inference, some) - float(np.log1p(-case.settings.noise_models.no_station_error))
+    return log_evidence(inference, some) - float(np.log1p(-case.settings.noise_models.usual))
 
 
 def _log_rival(case: Case, inference: Inference, levels: Labels) -> float:
@@ -169,7 +169,7 @@ def _log_rival(case: Case, inference: Inference, levels: Labels) -> float:
     noises, stations = inference.reduced.noises, case.table.groups
     if _pairs(levels, stations) == len(np.unique(stations)) == int(levels.max()) + 1:
         none = np.array([noise.station_ratio == 0 for noise in noises])
-        return log_evidence(inference, none) - float(np.log(case.settings.noise_models.no_station_error))
+        return log_evidence(inference, none) - float(np.log(case.settings.noise_models.usual))
     return log_evidence(inference, np.ones(len(noises), dtype=bool))
 
 
