@@ -44,6 +44,9 @@ _LOOK = 1000  # rows that show whether a column has few levels
 _SHOWN = 6  # levels that a sentence lists
 
 
+_TRIED = 2  # columns whose evidence is computed, likeliest first
+
+
 @dataclass(frozen=True)
 class Thresholds:
     """Numbers that decide about this noise."""
@@ -52,7 +55,6 @@ class Thresholds:
     screened: float = threshold(
         2.0, "1", "log likelihood ratio of white residuals from which on a column is tried; argument"
     )
-    tried: int = threshold(2, "1", "columns whose evidence is computed, likeliest first; computing time")
 
 
 FACTS = CauseFacts(
@@ -87,7 +89,7 @@ def find(case: Case, inference: Inference) -> Offsets | None:
     scores = {name: _screened(case, inference, levels) for name, levels in columns.items()}
     likely = sorted((n for n, score in scores.items() if score > own.screened), key=lambda n: -scores[n])
     best: tuple[float, str, Case, Inference] | None = None
-    for name in likely[: own.tried]:
+    for name in likely[:_TRIED]:
         other = _grouped(case, name, columns[name])
         beside = infer(other)
         log = _log_with_errors(other, beside) - _log_rival(case, inference, columns[name])

@@ -25,27 +25,11 @@ class NoiseSettings(CauseSettings):
         1.5e-4, "m", "standard deviation below which a quantization is negligible for users of such sensors"
     )
     sets: int = threshold(4, "1", "most probable sets of effects beside which noises are compared; judgement")
-    sets_alike: int = threshold(
-        40,
-        "1",
-        "most probable further sets, which have the noises of the set among these whose residual is nearest; "
-        "more than the members of a class that the data cannot separate",
-    )
-    same_evidence: float = threshold(
-        0.5,
-        "log evidence",
-        "noises that add as much beside two sets are the same; odds of 1.6 decide nothing",
-    )
     negligible_odds: float = threshold(
         7.0,
         "log odds",
         "a set that is less probable by more, whatever the noise, has no share, and a convection or a set "
         "beside which steps of the level are weighed is pruned: 1 in 1,100",
-    )
-    segments: int = threshold(5, "1", "pieces of a long table that the likelihoods use; judgement")
-    segment_rows: int = threshold(1000, "1", "rows of such a piece; judgement")
-    considered: float = threshold(
-        1e-3, "1", "probability beside some set from which on the folds consider a noise, too; judgement"
     )
     worth: float = threshold(
         2.0,

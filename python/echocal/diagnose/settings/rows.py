@@ -92,7 +92,4 @@ class RowSettings:
         "a larger step is not weighed beside causes; argument: it is 30 K between two neighboring rows, at "
         "0.0018 per K",
     )
-    most_level_steps: int = threshold(
-        6, "rounds", "most repetitions of the diagnosis, each with a further level step; chosen by hand"
-    )
     folds: int = threshold(5, "folds", "parts of the rows in a cross-validation; convention")
