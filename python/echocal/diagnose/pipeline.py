@@ -115,7 +115,7 @@ def examined(reading: Reading, request: Request, work: Steps) -> Examined:
         refuse_contradiction(whole, distance, constant)
         after = request.hold_out_after
         read, _ = split(whole, after, settings.rows.fewest)
-        faults = find_faults(read, base.assumed, distance, constant, settings.faults, settings.noises)
+        faults = find_faults(read, base.assumed, distance, constant, settings)
         if reading.refusal is not None and not faults.explain_a_refusal:
             raise reading.refusal
         if why := still_refused(faults.observations):  # a repair of one column hides no other one
