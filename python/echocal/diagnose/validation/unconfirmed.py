@@ -7,8 +7,7 @@ from echocal.diagnose.inference.noise import Noise
 from echocal.diagnose.selection.claims import without
 from echocal.diagnose.validation.gain import on_common_rows
 from echocal.diagnose.validation.judges import Judge
-from echocal.diagnose.validation.rest import Rest
-from echocal.diagnose.validation.trials import Trials
+from echocal.diagnose.validation.trials import Rest, Trials
 from echocal.diagnose.validation.validate import Validation
 
 __all__ = ["unconfirmed"]
