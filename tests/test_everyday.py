@@ -236,3 +236,19 @@ def test_tables_without_a_mistake_have_none(random: Random) -> None:
         return not shifts(diagnosis)
 
     assert right(judge) >= 7
+
+
+@pytest.mark.statistical
+def test_celsius_in_a_column_called_fahrenheit(random: Random) -> None:
+    """Right in 64 of 64 tables drawn, in 0 before; the same tables in true Fahrenheit have no such fault."""
+
+    def judge(draw: int) -> bool:
+        table = square_on(random)
+        celsius = np.round(random.uniform(12.0, 25.0) + random.normal(0.0, 2.0, len(table["distance_m"])), 1)
+        table["echo_us"] = 2e6 * table.pop("reading_m") / speed(celsius)
+        del table["temperature_C"]
+        right = echocal.diagnose(table | {"temperature_F": 32.0 + 1.8 * celsius})
+        cause = found(echocal.diagnose(table | {"temperature_F": celsius}), "fahrenheit_celsius")
+        return cause is not None and found(right, "fahrenheit_celsius") is None
+
+    assert right(judge) >= 7

@@ -1,5 +1,6 @@
-"""Fahrenheit in a column of degrees Celsius."""
+"""Fahrenheit in a column of degrees Celsius, or the other way round."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,12 +17,13 @@ from echocal.diagnose.preprocess.usable import some
 from echocal.diagnose.preprocess.view import View
 from echocal.diagnose.settings.faults import FaultSettings
 from echocal.diagnose.settings.threshold import threshold
-from echocal.observations import Observations
+from echocal.observations.units_said import split_unit, symbol_of
 
 __all__ = ["FAULT"]
 
 Column = NDArray[np.float64]
 Mask = NDArray[np.bool_]
+Conversion = Callable[[Column], Column]
 
 _FEWEST = 5  # rows with a temperature
 _HALF_WINDOW = 3  # rows on each side that vouch for a row's temperature
@@ -47,13 +49,14 @@ class Thresholds:
 FACTS = CauseFacts(
     id="fahrenheit_celsius",
     kind="gross",
-    sentence="Temperatures in degrees Fahrenheit are in a column of degrees Celsius, in all rows or some.",
-    signature="T = 32 + 1.8 T_true: rows that jump, or a column that no air is as warm as",
+    sentence="Temperatures in degrees Fahrenheit are in a column of degrees Celsius, in all rows or some; or "
+    "those in degrees Celsius are in a column that is called Fahrenheit.",
+    signature="T = 32 + 1.8 T_true: rows that jump, or a column that no air is as warm as; or the reverse",
     source="range check; CATALOGUE",
     parameters=(Quantity("rows", "1", "rows concerned"),),
     check="read a thermometer beside the logger",
     prior=0.01,
-    formula="T' = 32 + 1.8 T, in all rows or in some",
+    formula="T' = 32 + 1.8 T, in all rows or in some; or T = 32 + 1.8 T'",
     needs=("temperature",),
     repair="converts the rows to degrees Celsius",
 )
@@ -64,34 +67,50 @@ def celsius(fahrenheit: Column) -> Column:
     return (fahrenheit - 32.0) / 1.8
 
 
+def written(read: Column) -> Column:
+    """Values of a column that is called Fahrenheit, as they stand in it."""
+    return 32.0 + 1.8 * read
+
+
 def detect(view: View, own: Thresholds, settings: FaultSettings) -> Found | None:
     """Ask whether outliers, or else all rows, make sense as Fahrenheit."""
     recorded = view.observations.conditions["temperature"]
     known = np.isfinite(recorded)
     if (known & ~at_power_on(recorded)).sum() < _FEWEST:
         return None
+    column = view.observations.source_names.get("temperature", "")
+    if symbol_of(split_unit(column)[1]) == "F":
+        return _found(view, known, _whole(recorded[known], written, own), written, settings)
     rows, evidence = _single(recorded, known, own)
-    why = listed(rows)
     if not rows.any():
         if np.fmax.reduce(recorded) <= own.hottest or abs(np.nanmedian(celsius(recorded))) > own.hottest:
             return None  # no surprise; or no air either way: kelvin, for example
-        rows, why, evidence = known, "the whole column", _whole(recorded[known], own)
-    repaired = _converted(view, rows)
+        rows, evidence = known, _whole(recorded[known], celsius, own)
+    return _found(view, rows, evidence, celsius, settings)
+
+
+def _found(view: View, rows: Mask, evidence: float, convert: Conversion, settings: FaultSettings) -> Found:
+    """Say what the rows are, once converted."""
+    recorded = view.observations.conditions["temperature"]
+    repaired = with_values(view, rows, FACTS.id, temperature=convert(recorded))
     evidence = min(evidence, settings.cap) + by_echoes(view, repaired, rows)  # echoes outweigh any neighbors
-    low, high = float(recorded[rows].min()), float(recorded[rows].max())
+    ends = np.array([recorded[rows].min(), recorded[rows].max()])
+    (low, high), (air_low, air_high) = written(ends) if convert is written else ends, convert(ends)
+    held, read = ("degF", "degrees Celsius") if convert is written else ("degC", "Fahrenheit")
+    all_rows = rows.sum() == np.isfinite(recorded).sum()
     because = (
-        f"{why}: {low:.1f} .. {high:.1f} in a column of degC is, read as Fahrenheit, "
-        f"{celsius(np.array(low)):.1f} .. {celsius(np.array(high)):.1f} degC, which fits the air"
-        f"{'' if rows is known else ' of the rows around'}; the diagnosis goes on with these"
+        f"{'the whole column' if all_rows else listed(rows)}: {low:.1f} .. {high:.1f} in a column of {held} "
+        f"is, read as {read}, {air_low:.1f} .. {air_high:.1f} degC, which fits the air"
+        f"{'' if all_rows else ' of the rows around'}; the diagnosis goes on with these"
     )
     return Found(rows, evidence, because, (rows.sum(),), repaired)
 
 
-def _whole(recorded: Column, own: Thresholds) -> float:
-    """Log Bayes factor of Fahrenheit against Celsius, by what air is like."""
+def _whole(recorded: Column, convert: Conversion, own: Thresholds) -> float:
+    """Log Bayes factor of the other unit for all rows, by what air is like."""
     ends = np.quantile(recorded, [0.5, 0.98])
     as_it_is, converted = (
-        3.0 * np.log1p(((values - own.usual) / own.spread) ** 2 / 4).sum() for values in (ends, celsius(ends))
+        3.0 * np.log1p(((values - own.usual) / own.spread) ** 2 / 4).sum() for values in (ends, convert(ends))
     )
     return float(as_it_is - converted)
 
@@ -115,11 +134,6 @@ def _single(recorded: Column, known: Mask, own: Thresholds) -> tuple[Mask, float
     found = (off_converted < near) & (evidence > own.each)
     rows[at] = found
     return rows, float(evidence[found].sum() - np.log(binom(len(at), found.sum())))
-
-
-def _converted(view: View, rows: Mask) -> Observations:
-    recorded = view.observations.conditions["temperature"]
-    return with_values(view, rows, FACTS.id, temperature=celsius(recorded))
 
 
 def spoil(table: Columns, random: np.random.Generator) -> None:

@@ -4,7 +4,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import logsumexp
 
 from echocal.diagnose.settings.noise_models import VARIANCE_FLOOR
 
@@ -89,15 +88,18 @@ def _fitted(
     least = np.sort(np.abs(off))[: int(_TAME * len(off)) or 1]
     scatter = max(float(np.sqrt(np.mean(least**2) / free)) / _OF_TAME, floor)
     share = np.append(_PRIOR[: len(orders)], _PRIOR[-1])
-    beside = off[:, None] - orders * period[:, None]
+    squares = (off - orders[:, None] * period) ** 2
+    part = np.empty((len(share), len(off)))
     for _ in range(_ROUNDS):
-        core = -0.5 * (beside / scatter) ** 2 - np.log(np.sqrt(2 * np.pi) * scatter)
-        logs = np.column_stack([core, np.full(len(off), -np.log(_WIDTH))]) + np.log(share)
-        part = np.exp(logs - logsumexp(logs, axis=1, keepdims=True))
-        share = np.maximum(part.mean(axis=0), 1e-4)
+        np.multiply(squares, -0.5 / scatter**2, out=part[:-1])
+        part[:-1] += np.log(share[:-1, None] / (np.sqrt(2 * np.pi) * scatter))
+        part[-1] = np.log(share[-1] / _WIDTH)
+        np.exp(part - part.max(axis=0), out=part)
+        part /= part.sum(axis=0)
+        share = np.maximum(part.mean(axis=1), 1e-4)
         share /= share.sum()
-        weight = part[:, :-1]
-        square = float((weight * beside**2).sum() / weight.sum() / free)
+        weight = part[:-1]
+        square = float((weight * squares).sum() / weight.sum() / free)
         scatter = max(float(np.sqrt(square)), floor)
-    kept = np.maximum(weight.sum(axis=1), 1e-6)
-    return scatter, kept, np.asarray((weight * orders).sum(axis=1) / kept)
+    kept = np.maximum(weight.sum(axis=0), 1e-6)
+    return scatter, kept, np.asarray(orders @ weight / kept)
