@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 from scipy.linalg import cho_factor, cho_solve
 from scipy.signal import lfilter
 
+from echocal.observations.quantiles import MAD_TO_SD
 from echocal.watch.settings import WatchSettings
 
 __all__ = ["Learned", "Noises", "learn", "whitened"]
@@ -163,7 +164,7 @@ def _without_outliers(
             [_running_median(left[a:b]) for a, b in zip(starts.tolist(), ends, strict=True)]
         )
         away = left - level
-        spread = 1.4826 * float(np.median(np.abs(away))) + 1e-12
+        spread = MAD_TO_SD * float(np.median(np.abs(away))) + 1e-12
         limit = (settings.clip + 1.0) * spread
         cleaned = residual - away + np.clip(away, -limit, limit)
     return cleaned

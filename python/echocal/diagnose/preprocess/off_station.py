@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from echocal.diagnose.preprocess.usable import Usable
 from echocal.diagnose.preprocess.wild import wild_beyond
 from echocal.diagnose.settings.rows import RowSettings
-from echocal.observations.quantiles import Grouped, median
+from echocal.observations.quantiles import MAD_TO_SD, Grouped, median
 
 __all__ = ["OFF_STATION", "without_other_echoes"]
 
@@ -16,8 +16,6 @@ Labels = NDArray[np.int64]
 
 OFF_STATION = "far from the usual reading at its station: another echo"
 """Why a row is left out."""
-
-_MAD_TO_SD = 1.4826  # of a normal distribution
 
 
 def far_from_station(
@@ -53,7 +51,7 @@ def far_from_station(
         return none
     by_station = Grouped(labels)
     centers, usual, farthest = by_station.scatter(indication)
-    scatter = _MAD_TO_SD * float(np.nanmedian(usual))
+    scatter = MAD_TO_SD * float(np.nanmedian(usual))
     if farthest <= settings.far_least + step:
         return none
     off = np.abs(indication - centers[labels])

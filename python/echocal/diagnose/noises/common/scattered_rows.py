@@ -14,6 +14,7 @@ from echocal.diagnose.noises.common.posterior import NoisePosterior, Traced, sam
 from echocal.diagnose.noises.common.without import without
 from echocal.diagnose.settings.noises import NoiseSettings
 from echocal.diagnose.settings.threshold import PROBABLE
+from echocal.observations.quantiles import MAD_TO_SD
 
 __all__ = ["Scattered", "without_scattered_rows"]
 
@@ -24,7 +25,6 @@ _ROUNDS = 2  # the second one beside the causes that are probable after the firs
 _STEPS = 50  # of the EM algorithm
 _SAME = 0.1  # of the usual scatter: with smaller changes, a second comparison would be the first one
 _START = 0.05, 5.0  # part of the rows that scatter more, and how much more
-_MAD_TO_SD = 1.4826  # of a normal distribution
 
 
 @dataclass(frozen=True)
@@ -57,7 +57,7 @@ class Scattered:
         become one.
         """
         square = left**2
-        usual, whole = _MAD_TO_SD**2 * float(np.median(square)), float(square.mean())
+        usual, whole = MAD_TO_SD**2 * float(np.median(square)), float(square.mean())
         usual = max(usual, least**2)
         if not usual < whole:
             return None
