@@ -27,14 +27,6 @@ RHOS = (0.0, 0.9)
 STEPS = (0.25, 0.5, 1.0, 2.0, 4.0)
 DRIFTS = (0.1, 0.3, 1.0, 3.0, 10.0)
 LEARN, BEFORE, LONGEST = 2000, 500, 6000
-NOISES = {
-    "white": (0.0, 0.0, 0),
-    "white, Student's with 4 degrees of freedom": (0.0, 0.0, 4),
-    "autocorrelation 0.9": (0.9, 0.0, 0),
-    "autocorrelation 0.95 beneath white noise": (0.95, 0.8, 0),
-    "autocorrelation 0.9, Student's with 4 degrees of freedom": (0.9, 0.0, 4),
-}
-FEWER, TESTED, RATE = 500, 3000, 1e-3
 Column = np.ndarray
 
 
@@ -45,11 +37,10 @@ def weather(rng: np.random.Generator, rows: int) -> Column:
     return np.asarray(15.0 + 6.0 * np.sin(2.0 * np.pi * hours / 24.0) + 3.0 * slow)
 
 
-def noise(rng: np.random.Generator, rows: int, rho: float, theta: float = 0.0, tails: int = 0) -> Column:
-    """Autoregression of 1 mm, or one beneath white noise; of normal values or Student's."""
-    white = rng.standard_t(tails, rows + 300) if tails else rng.standard_normal(rows + 300)
-    white *= np.sqrt((1.0 - rho**2) / (1.0 - 2.0 * rho * theta + theta**2))
-    return NOISE * np.asarray(lfilter([1.0, -theta], [1.0, -rho], white))[300:]
+def noise(rng: np.random.Generator, rows: int, rho: float) -> Column:
+    """Autoregression of 1 mm."""
+    white = rng.standard_normal(rows + 300) * np.sqrt(1.0 - rho**2)
+    return NOISE * np.asarray(lfilter([1.0], [1.0, -rho], white))[300:]
 
 
 def logged(rng: np.random.Generator, rows: int) -> Column:
@@ -59,17 +50,6 @@ def logged(rng: np.random.Generator, rows: int) -> Column:
     model = echocal.Model("cramer", air={"relative_humidity": 0.5})
     signatures = Signatures(model, ["temperature"]).at(distance, {"temperature": temperature})
     return np.column_stack([np.full(rows, 0.005), signatures])
-
-
-def quiet(job: tuple[tuple[float, float, int], int]) -> int:
-    """False alarms of one log without a change, at a stated rate of 1/1000 rows."""
-    (rho, theta, tails), seed = job
-    rng = np.random.default_rng(seed)
-    rows = FEWER + TESTED
-    columns, usual = logged(rng, rows), noise(rng, rows, rho, theta, tails)
-    monitor = Monitor(WatchSettings(learn=FEWER, false_alarms=RATE * 365.25 * DAY / WAIT))
-    alarms = [monitor.add(WAIT * row, float(usual[row]), columns[row]) for row in range(rows)]
-    return sum(alarm is not None for alarm in alarms)
 
 
 def least(change: Column, rho: float, run_length: float) -> float:
@@ -114,10 +94,6 @@ def measure(logs: int, processes: int, seed: int) -> dict[str, Any]:
     jobs = [(rho, seed + log) for rho in RHOS for log in range(logs)]
     with ProcessPoolExecutor(processes) as pool:
         found = [one for own in pool.map(run, jobs) for one in own]
-        without = {
-            name: list(pool.map(quiet, [(kind, seed + 10_000 + log) for log in range(logs)]))
-            for name, kind in NOISES.items()
-        }
     settings = WatchSettings()
     run_length = 365.25 * DAY / WAIT / settings.false_alarms
     lines = []
@@ -142,7 +118,7 @@ def measure(logs: int, processes: int, seed: int) -> dict[str, Any]:
                         "cusum_rows": best,
                     }
                 )
-    return {"seed": seed, "run_length_rows": run_length, "learn": LEARN, "lines": lines, "quiet": without}
+    return {"seed": seed, "run_length_rows": run_length, "learn": LEARN, "lines": lines}
 
 
 def table(results: dict[str, Any]) -> str:
@@ -161,16 +137,6 @@ def table(results: dict[str, Any]) -> str:
         ratio = "-" if one["told"] < one["logs"] else f"{one['delay_rows'] / one['bound_rows']:.2f}"
         what = f"{one['kind']} of {one['size']:g} {unit}"
         text.append(f"| {what} | {kind} | {delay} | {one['bound_rows']:.3g} | {ratio} |")
-    return "\n".join(text) + "\n"
-
-
-def rates(results: dict[str, Any]) -> str:
-    """False alarms as a table of the page."""
-    text = ["| noise | logs | false alarms per 1000 rows |", "|---|---|---|"]
-    for name, alarms in results["quiet"].items():
-        error = np.std(alarms, ddof=1) / np.sqrt(len(alarms))
-        per = 1000.0 / TESTED
-        text.append(f"| {name} | {len(alarms)} | {per * np.mean(alarms):.2f} ± {per * error:.2f} |")
     return "\n".join(text) + "\n"
 
 
@@ -230,7 +196,7 @@ def main() -> None:
         draw(json.loads(RESULTS.read_text()), FIGURE)
         return
     results = measure(given.logs, given.processes, given.seed)
-    print(table(results), rates(results), sep="\n")
+    print(table(results))
     if given.docs:
         RESULTS.write_text(json.dumps(results, indent=1) + "\n")
         draw(results, FIGURE)

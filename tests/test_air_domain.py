@@ -132,8 +132,3 @@ def test_defaults_are_those_of_the_core(function: Callable[..., object]) -> None
 def test_a_masked_value_is_not_taken_for_measured() -> None:
     masked = np.ma.masked_array([20.0, 999.0], mask=[False, True])
     assert names(echocal.domain_violations(masked)) == names(echocal.domain_violations([20.0, np.nan]))
-
-
-def test_former_names_are_still_there() -> None:
-    assert echocal.departures is echocal.domain_violations
-    assert echocal.DEPARTURES is echocal.DOMAIN_VIOLATIONS

@@ -6,7 +6,7 @@ import pandas as pd
 import pytest
 
 import echocal
-from echocal.correct import correct_file, correct_folder, correct_table
+from echocal.correct import correct_files, correct_table
 from echocal.errors import UsageError
 
 DEVICE = echocal.Model("linear", {"fixed_delay": {"delay": 31e-6}, "zero_error": {"offset": 2e-3}})
@@ -85,7 +85,7 @@ def test_a_corrected_table_is_not_corrected_again() -> None:
 def test_text_stays_letter_for_letter(tmp_path: Path) -> None:
     source, out = tmp_path / "in.csv", tmp_path / "out.csv"
     source.write_text('# logger 7\necho_us,temperature_C,remark\n11660.50,20.10,"a, b"\n-9999,20,NA\n')
-    corrected = correct_file(source, out, DEVICE, missing=[-9999])
+    corrected = correct_files(source, out, DEVICE, missing=[-9999])
     lines = out.read_text().splitlines()
     assert lines[0] == "# logger 7"
     appended = "corrected_distance_m,distance_standard_uncertainty_m,status,unusable"
@@ -101,7 +101,7 @@ def test_endings(ending: str, tmp_path: Path) -> None:
     table = echoes(DEVICE, [1.0, 2.0], [20.0, 30.0])
     table.to_parquet(tmp_path / "in.parquet")
     out = tmp_path / f"out{ending}"
-    correct_file(tmp_path / "in.parquet", out, DEVICE)
+    correct_files(tmp_path / "in.parquet", out, DEVICE)
     back = pd.read_parquet(out) if ending == ".parquet" else pd.read_csv(out, sep=None, engine="python")
     np.testing.assert_allclose(
         back["corrected_distance_m"], correct_table(table, DEVICE).table["corrected_distance_m"], atol=1e-9
@@ -111,7 +111,7 @@ def test_endings(ending: str, tmp_path: Path) -> None:
 def test_decimal_commas_stay(tmp_path: Path) -> None:
     source, out = tmp_path / "in.csv", tmp_path / "out.csv"
     source.write_text("echo_us;temperature_C\n11660,5;20,1\n")
-    correct_file(source, out, DEVICE, layout=echocal.observations.text.Layout(decimal=","))
+    correct_files(source, out, DEVICE, layout=echocal.observations.text.Layout(decimal=","))
     assert out.read_text().splitlines()[1].startswith("11660,5;20,1;1,99")
 
 
@@ -120,15 +120,11 @@ def test_a_folder_goes_file_by_file(tmp_path: Path) -> None:
     for name in ("2024/may.parquet", "2024/june.parquet", "july.parquet"):
         (source / name).parent.mkdir(parents=True, exist_ok=True)
         echoes(DEVICE, [1.0, 2.0], [20.0, 30.0]).to_parquet(source / name)
-    seen: list[tuple[int, int]] = []
-    done = correct_folder(source, out, DEVICE, progress=lambda *count: seen.append(count))
-    assert sorted(path.relative_to(out).as_posix() for path in done) == [
-        "2024/june.parquet",
-        "2024/may.parquet",
-        "july.parquet",
-    ]
-    assert seen == [(1, 3), (2, 3), (3, 3)]
-    assert all(len(pd.read_parquet(path)) == 2 for path in done)
+    seen: list[int] = []
+    done = correct_files(source, out, DEVICE, progress=lambda state: seen.append(state.files)).results
+    assert sorted(done) == ["2024/june.parquet", "2024/may.parquet", "july.parquet"]
+    assert sorted(set(seen) - {0}) == [1, 2, 3]
+    assert all(len(pd.read_parquet(out / place)) == 2 for place in done)
 
 
 def test_a_bad_file_of_a_folder_is_set_aside_and_the_rest_is_done(tmp_path: Path) -> None:
@@ -137,8 +133,8 @@ def test_a_bad_file_of_a_folder_is_set_aside_and_the_rest_is_done(tmp_path: Path
     echoes(DEVICE, [1.0], [20.0]).to_parquet(source / "a.parquet")
     (source / "b.parquet").write_bytes(b"PAR1 broken")
     echoes(DEVICE, [1.0], [20.0]).to_parquet(source / "c.parquet")
-    with pytest.raises(echocal.DataError, match=r"b.parquet.*\(2 of 3 files are done\)"):
-        correct_folder(source, out, DEVICE)
+    summary = correct_files(source, out, DEVICE)
+    assert list(summary.set_aside) == [str(source / "b.parquet")]
     assert sorted(path.name for path in out.iterdir()) == ["_echocal", "a.parquet", "c.parquet"]
 
 
@@ -146,12 +142,13 @@ def test_outputs_that_are_refused(tmp_path: Path) -> None:
     path = tmp_path / "in.csv"
     echoes(DEVICE, [1.0], [20.0]).to_csv(path, index=False)
     with pytest.raises(echocal.UsageError, match="is the input itself"):
-        correct_file(path, path, DEVICE)
+        correct_files(path, path, DEVICE)
+    assert path.read_text().count("\n") == 2
     with pytest.raises(echocal.UsageError, match=r"cannot write .*out.xls; endings: .csv, .tsv,"):
-        correct_file(path, tmp_path / "out.xls", DEVICE)
+        correct_files(path, tmp_path / "out.xls", DEVICE)
     path.unlink()
     with pytest.raises(echocal.DataError, match=r"has no file that can be corrected"):
-        correct_folder(tmp_path, tmp_path / "out", DEVICE)
+        correct_files(tmp_path, tmp_path / "out", DEVICE)
 
 
 def test_what_is_no_model_and_no_table_is_said(tmp_path: Path) -> None:

@@ -14,7 +14,7 @@ import pyarrow.parquet as pq
 import pytest
 
 import echocal
-from echocal.correct import correct_file, correct_folder
+from echocal.correct import correct_files
 from echocal.correct.results import RESULTS
 from echocal.observations.source import load
 
@@ -86,7 +86,7 @@ def corrected(table: pa.Table, folder: Path, **written: Any) -> tuple[pa.Table, 
     """The input's columns after a correction, compared with what they were."""
     source, out = folder / "in.parquet", folder / "out.parquet"
     pq.write_table(table, source, **written)
-    correct_file(source, out, DEVICE)
+    correct_files(source, out, DEVICE)
     before, after = pq.ParquetFile(source).read(), pq.ParquetFile(out).read()
     assert after.column_names == [*before.column_names, *RESULTS]
     kept = without_ours(after.select(before.column_names))
@@ -149,7 +149,7 @@ def test_an_index_of_pandas_stays_one(index: str, tmp_path: Path) -> None:
 def test_pandas_reads_what_had_numbers_for_names(tmp_path: Path) -> None:
     pd.DataFrame({0: [1.0, 2.0], 1: [20.0, 21.0]}).to_parquet(tmp_path / "in.parquet")
     columns = {"0": "reading_m", "1": "temperature_C"}
-    correct_file(tmp_path / "in.parquet", tmp_path / "out.parquet", DEVICE, columns)
+    correct_files(tmp_path / "in.parquet", tmp_path / "out.parquet", DEVICE, columns=columns)
     names = pd.read_parquet(tmp_path / "out.parquet").columns
     assert names.tolist() == ["0", "1", *RESULTS]
 
@@ -158,7 +158,7 @@ def test_a_name_of_a_folder_makes_no_column(tmp_path: Path) -> None:
     source = tmp_path / "station=7" / "a.parquet"
     source.parent.mkdir()
     pq.write_table(pa.table({**TABLE, "id": [LONG, None, 3]}), source)
-    correct_folder(tmp_path, tmp_path.parent / f"{tmp_path.name}_out", DEVICE)
+    correct_files(tmp_path, tmp_path.parent / f"{tmp_path.name}_out", DEVICE)
     out = pq.ParquetFile(tmp_path.parent / f"{tmp_path.name}_out" / "station=7" / "a.parquet").read()
     assert without_ours(out.select([0, 1, 2])).equals(pq.ParquetFile(source).read(), check_metadata=True)
 
@@ -168,7 +168,7 @@ def test_a_thousand_long_numbers_stay(tmp_path: Path) -> None:
     table = pa.table({"reading_m": [1.5] * 1000, "temperature_C": [20.0] * 1000, "id": pa.array(ids)})
     after, before = corrected(table, tmp_path)
     assert after.equals(before, check_metadata=True)
-    correct_file(tmp_path / "in.parquet", tmp_path / "out.csv", DEVICE)
+    correct_files(tmp_path / "in.parquet", tmp_path / "out.csv", DEVICE)
     written = [line.split(",")[2] for line in (tmp_path / "out.csv").read_text().splitlines()[1:]]
     assert written == ["" if number is None else str(number) for number in ids]
 
@@ -198,9 +198,9 @@ AS_TEXT = {
 @pytest.mark.parametrize("kind", AS_TEXT)
 def test_parquet_to_text_keeps_every_digit(kind: str, tmp_path: Path) -> None:
     pq.write_table(pa.table({**TABLE, "x": COLUMNS[kind]}), tmp_path / "in.parquet")
-    result = correct_file(tmp_path / "in.parquet", tmp_path / "out.csv", DEVICE)
+    summary = correct_files(tmp_path / "in.parquet", tmp_path / "out.csv", DEVICE)
     assert load(tmp_path / "out.csv", verbatim=True)["x"].tolist() == AS_TEXT[kind]
-    told = [note for note in result.notes if "column 'x'" in note]
+    told = [note for note in summary.results["in.parquet"]["notes"] if "column 'x'" in note]
     assert bool(told) == (kind in {"binary", "view of bytes", "list", "struct", "map"})
 
 
@@ -215,7 +215,7 @@ NO_TEXT = {
 def test_what_cannot_be_text_is_told_by_name(kind: str, tmp_path: Path) -> None:
     pq.write_table(pa.table({**TABLE, "x": NO_TEXT[kind]}), tmp_path / "in.parquet")
     with pytest.raises(echocal.DataError, match=r"column 'x' \(list<.*\) cannot be text: .*; write Parquet"):
-        correct_file(tmp_path / "in.parquet", tmp_path / "out.csv", DEVICE)
+        correct_files(tmp_path / "in.parquet", tmp_path / "out.csv", DEVICE)
     assert not (tmp_path / "out.csv").exists()
 
 
@@ -246,7 +246,7 @@ def test_text_to_parquet_loses_no_letter(kind: str, tmp_path: Path) -> None:
     texts, expected, values = FROM_TEXT[kind]
     lines = ["reading_m,temperature_C,x", *(f"1.5,20.0,{text}" for text in texts)]
     (tmp_path / "in.csv").write_text("\n".join(lines))
-    correct_file(tmp_path / "in.csv", tmp_path / "out.parquet", DEVICE)
+    correct_files(tmp_path / "in.csv", tmp_path / "out.parquet", DEVICE)
     written = pq.read_table(tmp_path / "out.parquet")
     assert written.schema.field("x").type == expected
     assert written["x"].to_pylist() == values

@@ -8,7 +8,7 @@ import pandas as pd
 import pytest
 
 import echocal
-from echocal.correct import correct_file
+from echocal.correct import correct_files
 
 MODELS = {
     "one row alone": echocal.Model("linear", {"fixed_delay": {"delay": 31e-6}}),
@@ -41,7 +41,7 @@ def test_the_row_is_marked_and_the_others_are_corrected(
     (tmp_path / "bad.csv").write_bytes(text.encode())
     (tmp_path / "empty.csv").write_bytes(text.replace(BAD, ",,,").encode())
     for name in ("bad", "empty"):
-        correct_file(tmp_path / f"{name}.csv", tmp_path / f"{name}_out.csv", model, force=True)
+        correct_files(tmp_path / f"{name}.csv", tmp_path / f"{name}_out.csv", model, force=True)
     bad, empty = (pd.read_csv(tmp_path / f"{name}_out.csv") for name in ("bad", "empty"))
     assert bad["status"].fillna("").tolist() == ["corrupt line" if row == 5 else "" for row in range(12)]
     np.testing.assert_array_equal(bad["corrected_distance_m"], empty["corrected_distance_m"])
@@ -58,8 +58,8 @@ def test_empty_fields_beyond_the_header_are_no_fields(random: np.random.Generato
     assert more != text
     (tmp_path / "log.csv").write_bytes(more.encode())
     model = MODELS["one row alone"]
-    corrected = correct_file(tmp_path / "log.csv", tmp_path / "out.csv", model)
-    assert corrected.unusable == {}
+    corrected = correct_files(tmp_path / "log.csv", tmp_path / "out.csv", model)
+    assert corrected.unusable == 0
     found = pd.read_csv(tmp_path / "out.csv")
     assert found["remark"].tolist() == pd.read_csv(io.StringIO(text))["remark"].tolist()
     assert found["corrected_distance_m"].notna().all()
@@ -69,8 +69,8 @@ def test_to_parquet(random: np.random.Generator, tmp_path: Path) -> None:
     """Columns keep their types: the row has no value, and a reason."""
     pytest.importorskip("pyarrow")
     (tmp_path / "log.csv").write_text(log(random, {5: BAD}))
-    corrected = correct_file(tmp_path / "log.csv", tmp_path / "out.parquet", MODELS["one row alone"])
-    assert corrected.unusable == {"corrupt line": 1}
+    corrected = correct_files(tmp_path / "log.csv", tmp_path / "out.parquet", MODELS["one row alone"])
+    assert corrected.unusable == 1
     found = pd.read_parquet(tmp_path / "out.parquet")
     assert found["temperature_C"].dtype == np.float64
     assert found["temperature_C"].isna().tolist() == [row == 5 for row in range(12)]
@@ -80,5 +80,5 @@ def test_to_parquet(random: np.random.Generator, tmp_path: Path) -> None:
 def test_half_of_the_lines_are_something_else(random: np.random.Generator, tmp_path: Path) -> None:
     (tmp_path / "log.csv").write_text(log(random, dict.fromkeys(range(3, 9), BAD)))
     with pytest.raises(echocal.DataError, match=r"rows of 4 fields .* 6 of 12 rows have more, first row 4"):
-        correct_file(tmp_path / "log.csv", tmp_path / "out.csv", MODELS["one row alone"])
+        correct_files(tmp_path / "log.csv", tmp_path / "out.csv", MODELS["one row alone"])
     assert not (tmp_path / "out.csv").exists()

@@ -14,7 +14,7 @@ ROOT = Path(__file__).parents[1]
 PACKAGE = ROOT / "python" / "echocal"
 
 LAYERS = (
-    {"_core", "_interrupt", "errors", "shown"},
+    {"_core", "_interrupt", "_verb", "errors", "shown"},
     {"codes", "outputs", "checksums", "objects"},
     {"places"},
     {"quantities"},
@@ -27,8 +27,8 @@ LAYERS = (
     {"diagnose", "silicon", "echoes", "verify"},
     {"panels"},
     {"plots", "report", "firmware"},
-    {"study", "explore", "emulation", "fleet", "watch"},
-    {"pages"},
+    {"study", "explore", "emulation", "fleet", "watch", "accessor", "estimator"},
+    {"pages", "_accessors"},
     {"cli"},
 )
 ROOMS_OF_DIAGNOSE = [

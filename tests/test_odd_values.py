@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 import echocal
 from echocal import DataError
 from echocal.cli import main
-from echocal.correct import correct_file
+from echocal.correct import correct_files
 
 ODD: dict[str, tuple[Any, str]] = {
     "a list": ([1.0, 2.0], "a value of type list"),
@@ -97,7 +97,7 @@ def test_what_cannot_be_the_name_of_a_file(name: str, tmp_path: Path) -> None:
         with pytest.raises(DataError, match=told):
             read(name)
     with pytest.raises(DataError, match=told):
-        correct_file(Path(name), tmp_path / "out.csv", echocal.Model("linear"))
+        correct_files(name, tmp_path / "out.csv", echocal.Model("linear"))
     with pytest.raises(echocal.ModelError, match=told):
         echocal.Model.load(name)
 

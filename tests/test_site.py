@@ -96,10 +96,9 @@ def test_equations_are_mathematics(site: Path) -> None:
 
 def test_the_reference_has_every_public_name(site: Path) -> None:
     anchors = Loaded(site / "reference" / "python.html").anchors
-    tables = {"DEPARTURES", "DOMAIN_VIOLATIONS", "__version__", "firmware", "watch"}
-    same = {"departures": "domain_violations"}
+    tables = {"DOMAIN_VIOLATIONS", "__version__", "firmware"}
     for name in set(echocal.__all__) - tables:
-        assert any(anchor.rpartition(".")[2] == same.get(name, name) for anchor in anchors), name
+        assert any(anchor.rpartition(".")[2] == name for anchor in anchors), name
 
 
 def test_the_reference_has_every_command_and_option(site: Path) -> None:

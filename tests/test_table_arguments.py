@@ -7,13 +7,16 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import polars as pl
+import pyarrow as pa
 import pytest
+import xarray as xr
 
 import echocal
 from echocal import Model, UsageError
 from echocal.correct import correct_table
 
 MPE = {"maximum_permissible_error": 3e-3}
+MODEL = Model("linear", {"zero_error": {"offset": 8e-3}})
 KINDS: list[Callable[[dict[str, Any]], Any]] = [dict, pd.DataFrame, pl.DataFrame]
 
 
@@ -24,6 +27,11 @@ def rows(random: np.random.Generator) -> dict[str, np.ndarray]:
     device = Model("linear", {"zero_error": {"offset": 8e-3}})
     reading = device.indicate(distance, temperature=celsius) + random.normal(0.0, 1e-4, 60)
     return {"reading_m": reading, "temperature_C": celsius, "distance_m": distance}
+
+
+def expected(rows: dict[str, np.ndarray]) -> pd.DataFrame:
+    found: pd.DataFrame = echocal.correct(pd.DataFrame(rows), MODEL).table
+    return found
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -50,6 +58,51 @@ def test_a_corrected_table_is_of_the_same_kind(kind: Callable[..., Any], rows: d
     assert np.nanmax(np.abs(corrected - rows["distance_m"])) < 1e-3
     assert found.table["status"][5] == "reading_m missing"
     assert "corrected_distance_m" not in table
+
+
+def test_a_table_of_arrow_stays_one(rows: dict[str, np.ndarray]) -> None:
+    table = pa.table(rows).replace_schema_metadata({"site": "tank 7"})
+    for given in (table, table.to_batches()[0]):
+        found = echocal.correct(given, MODEL).table
+        assert type(found) is type(given)
+        assert found.select(given.column_names).equals(given)
+        assert found.schema.metadata == {b"site": b"tank 7"}
+        np.testing.assert_array_equal(found["corrected_distance_m"], expected(rows)["corrected_distance_m"])
+        assert found["status"].to_pylist() == [""] * 60
+
+
+def test_a_lazy_frame_stays_lazy_and_the_uncertainty_narrow(rows: dict[str, np.ndarray]) -> None:
+    found = echocal.correct(pl.LazyFrame(rows), MODEL).table
+    assert isinstance(found, pl.LazyFrame)
+    done = found.collect()
+    assert done["distance_standard_uncertainty_m"].dtype == pl.Float32
+    np.testing.assert_array_equal(done["corrected_distance_m"], expected(rows)["corrected_distance_m"])
+
+
+def test_a_dataset_keeps_dimensions_coordinates_and_attributes(rows: dict[str, np.ndarray]) -> None:
+    """Some variables have one dimension of two, in another order; each value stays at its place."""
+    reading, celsius = rows["reading_m"].reshape(4, 15), rows["temperature_C"][:15]
+    data = xr.Dataset(
+        {"temperature_C": ("b", celsius, {"units": "degC"}), "reading_m": (("a", "b"), reading)},
+        coords={"a": [3, 1, 2, 0]},
+        attrs={"site": "tank 7"},
+    )
+    found = echocal.correct(data, MODEL).table
+    assert isinstance(found, xr.Dataset)
+    assert found.attrs == data.attrs
+    xr.testing.assert_identical(found[list(data)], data)
+    own = found["corrected_distance_m"]
+    assert own.attrs["units"] == "m"
+    flat = {"reading_m": reading.ravel(), "temperature_C": np.tile(celsius, 4)}
+    np.testing.assert_array_equal(
+        own.transpose("a", "b"), expected(flat)["corrected_distance_m"].to_numpy().reshape(4, 15)
+    )
+    array = data["reading_m"].T.assign_coords(temperature_C=("b", celsius))
+    of_array = echocal.correct(array, MODEL).table
+    xr.testing.assert_equal(
+        of_array["corrected_distance_m"].transpose("a", "b"),
+        own.transpose("a", "b").assign_coords(temperature_C=("b", celsius)),
+    )
 
 
 def test_a_table_is_read_as_the_keywords_say(rows: dict[str, np.ndarray]) -> None:

@@ -11,7 +11,7 @@ import xarray as xr
 
 import echocal
 from echocal import DataError, Model, UsageError
-from echocal.correct import correct_file, correct_table
+from echocal.correct import correct_files, correct_table
 
 TIMES = pd.date_range("2024-01-01", periods=40, freq="10min")
 READING = 2.0 + 1e-3 * np.sin(np.arange(40.0) ** 2)
@@ -44,7 +44,7 @@ def test_an_index_of_times_is_mapped_and_corrected(tmp_path: Path) -> None:
     pd.testing.assert_frame_equal(corrected.table[list(TABLE.columns)], table)
     table.to_parquet(tmp_path / "in.parquet")
     for out in ("out.parquet", "out.csv"):
-        correct_file(tmp_path / "in.parquet", tmp_path / out, Model("linear"), reading_speed="linear")
+        correct_files(tmp_path / "in.parquet", tmp_path / out, Model("linear"), reading_speed="linear")
     written = pd.read_parquet(tmp_path / "out.parquet")
     pd.testing.assert_frame_equal(written[list(TABLE.columns)], pd.read_parquet(tmp_path / "in.parquet"))
     assert pd.read_csv(tmp_path / "out.csv")["logged"].tolist() == TIMES.astype(str).tolist()
@@ -52,7 +52,7 @@ def test_an_index_of_times_is_mapped_and_corrected(tmp_path: Path) -> None:
 
 def test_repeated_indices_repeat_no_row(tmp_path: Path) -> None:
     TABLE.set_index(pd.Index([7] * 40, name="sensor")).to_parquet(tmp_path / "in.parquet")
-    correct_file(tmp_path / "in.parquet", tmp_path / "out.csv", Model("linear"), reading_speed="linear")
+    correct_files(tmp_path / "in.parquet", tmp_path / "out.csv", Model("linear"), reading_speed="linear")
     assert pd.read_csv(tmp_path / "out.csv")["sensor"].tolist() == [7] * 40
 
 

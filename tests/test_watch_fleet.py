@@ -10,7 +10,7 @@ import pytest
 from watched import START, WAIT, csv, log
 
 import echocal
-from echocal.correct import correct_file
+from echocal.correct import correct_files
 from echocal.watch import Event, Fleet, Reference, State, WatchSettings
 
 DEVICE = echocal.Model("linear")
@@ -65,7 +65,7 @@ def _named_after_a_change(rows: list[dict[str, Any]]) -> tuple[set[str], bool]:
 def test_corrections_are_those_of_correct(random: np.random.Generator, tmp_path: Path) -> None:
     rows = log(random, 50)
     (tmp_path / "a.csv").write_text(csv(rows))
-    correct_file(tmp_path / "a.csv", tmp_path / "b.csv", DEVICE)
+    correct_files(tmp_path / "a.csv", tmp_path / "b.csv", DEVICE)
     whole = pd.read_csv(tmp_path / "b.csv")["corrected_distance_m"]
     done, _ = taken(fleet(), rows, 7)
     assert [row["corrected_distance_m"] for row in done] == np.round(whole, 9).tolist()

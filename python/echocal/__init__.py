@@ -1,20 +1,20 @@
 """Name what an ultrasonic distance sensor gets wrong, measure the gain, ship the correction."""
 
 from echocal import _interrupt as _interrupt  # isort: skip  # first: Ctrl-C may come during the rest
-import sys
 from importlib import import_module
-from types import ModuleType
+from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
 
+from echocal._accessors import register
 from echocal._core import __version__, absorption, distance, error, speed_of_sound, time_of_flight
 
 if TYPE_CHECKING:
-    from echocal import firmware, watch
+    from echocal import firmware
     from echocal.calibrate import Calibration, Regression, calibrate
     from echocal.correct import Corrected, correct, correct_files
     from echocal.diagnose import Diagnosis, diagnose, diagnose_many, gross_faults, row_faults
     from echocal.diagnose.noises import noises
-    from echocal.domain import DEPARTURES, DOMAIN_VIOLATIONS, departures, domain_violations
+    from echocal.domain import DOMAIN_VIOLATIONS, domain_violations
     from echocal.emulation import Emulation, emulate, error_parts
     from echocal.errors import (
         BoundError,
@@ -26,16 +26,17 @@ if TYPE_CHECKING:
         ModelError,
         UsageError,
     )
+    from echocal.estimator import EchoCorrector
     from echocal.fleet import diagnose_fleet
     from echocal.model import Model
     from echocal.observations import Observations, read_observations
     from echocal.registry import effects
     from echocal.sweep import sweep
     from echocal.verify import Verification, verify, verify_model
+    from echocal.watch import watch
     from echocal.waveforms import EchoTimes, echo_times, read_waveforms
 
 __all__ = [
-    "DEPARTURES",
     "DOMAIN_VIOLATIONS",
     "BoundError",
     "Calibration",
@@ -59,7 +60,6 @@ __all__ = [
     "calibrate",
     "correct",
     "correct_files",
-    "departures",
     "diagnose",
     "diagnose_fleet",
     "diagnose_many",
@@ -83,12 +83,14 @@ __all__ = [
     "verify_model",
     "watch",
 ]
+if find_spec("sklearn") is not None:  # else nothing that lists the names could import it
+    __all__ += ["EchoCorrector"]
 
 _HOMES = {
-    "calibrate": ("Calibration", "Regression", "calibrate"),
-    "correct": ("Corrected", "correct", "correct_files"),
-    "diagnose": ("Diagnosis", "diagnose", "diagnose_many", "gross_faults", "noises", "row_faults"),
-    "domain": ("DEPARTURES", "DOMAIN_VIOLATIONS", "departures", "domain_violations"),
+    "calibrate": ("Calibration", "Regression"),
+    "correct": ("Corrected", "correct_files"),
+    "diagnose": ("Diagnosis", "diagnose_many", "gross_faults", "noises", "row_faults"),
+    "domain": ("DOMAIN_VIOLATIONS", "domain_violations"),
     "emulation": ("Emulation", "emulate", "error_parts"),
     "errors": (
         "BoundError",
@@ -100,22 +102,25 @@ _HOMES = {
         "ModelError",
         "UsageError",
     ),
+    "estimator": ("EchoCorrector",),
     "fleet": ("diagnose_fleet",),
     "model": ("Model",),
     "observations": ("Observations", "read_observations"),
     "registry": ("effects",),
-    "sweep": ("sweep",),
-    "verify": ("Verification", "verify", "verify_model"),
+    "verify": ("Verification", "verify_model"),
     "waveforms": ("EchoTimes", "echo_times", "read_waveforms"),
 }
 """Module of each name that is imported when it is asked for: pandas and SciPy take a second."""
+
+_MODULES = {"calibrate", "correct", "diagnose", "firmware", "sweep", "verify", "watch"}
+"""Modules that are public; all but ``firmware`` are called, see `echocal._verb`."""
 
 _HOME = {name: home for home, names in _HOMES.items() for name in names}
 
 
 def __getattr__(name: str) -> Any:
     """Import what takes long to import when it is asked for."""
-    if name in {"firmware", "watch"}:
+    if name in _MODULES:
         return import_module(f"echocal.{name}")
     if name not in _HOME:
         message = f"module 'echocal' has no attribute '{name}'"
@@ -130,26 +135,4 @@ def __dir__() -> list[str]:
     return sorted(__all__)
 
 
-def _function(name: str) -> property:
-    """A function whose module has its name: the import of the module must not hide it."""
-    return property(
-        lambda _: getattr(import_module(f"echocal.{name}"), name),
-        lambda _, module: None,
-    )
-
-
-class _Package(ModuleType):
-    """The package, in which ``echocal.diagnose`` is the function, whatever was imported before."""
-
-    calibrate = _function("calibrate")
-    correct = _function("correct")
-    diagnose = _function("diagnose")
-    sweep = _function("sweep")
-    verify = _function("verify")
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        """Travel by name, as other modules do: functions sent to Spark or Ray may name the package."""
-        return import_module, (self.__name__,)
-
-
-sys.modules[__name__].__class__ = _Package
+register()

@@ -109,10 +109,6 @@ def domain_violations(
     return _core.departures(law, flat).reshape(broadcast[0].shape)
 
 
-departures, DEPARTURES = domain_violations, DOMAIN_VIOLATIONS
-"""Former names of both, kept for one version."""
-
-
 def warn_outside(
     temperature: ArrayLike,
     relative_humidity: ArrayLike = DEFAULTS["relative_humidity"],

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 __all__ = [
+    "AbsentError",
     "BoundError",
     "DataError",
     "DataWarning",
@@ -52,6 +53,21 @@ class DataError(EchocalError, ValueError):
     """Data that cannot be used; the text names the column and the row."""
 
     exit_code = 3
+
+
+class AbsentError(DataError):
+    """A model needs a quantity that the data does not have.
+
+    Parameters
+    ----------
+    message : str
+    quantity : str
+        Its name: ``"temperature"``.
+    """
+
+    def __init__(self, message: str, quantity: str = "") -> None:
+        super().__init__(message)
+        self.quantity = quantity
 
 
 class BoundError(EchocalError, ValueError):

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from echocal._verb import callable_as
 from echocal.errors import DataError, DataWarning, UsageError
 from echocal.model import Model
 from echocal.observations import Observations
@@ -22,6 +23,7 @@ from echocal.sweep import Range, sweep
 
 __all__ = ["Verification", "verify", "verify_model"]
 
+callable_as(__name__)
 
 _LARGE = 1.0  # m: no requirement on a sensor in air
 

@@ -1,4 +1,4 @@
-"""Write the tables of docs/watch.md: the settings, and what benches/watch.json has.
+"""Write the tables of docs/watch.md: the settings, and what benches/watch.json and watch_noises.json have.
 
 python tests/reference/watch_page.py --write
 """
@@ -13,7 +13,6 @@ from echocal.watch import WatchSettings
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGE = ROOT / "docs" / "watch.md"
-RESULTS = ROOT / "benches" / "watch.json"
 
 
 def settings() -> str:
@@ -25,15 +24,21 @@ def settings() -> str:
     return "\n".join(lines) + "\n"
 
 
-def page(text: str) -> str:
-    """The page with fresh tables."""
-    spec = importlib.util.spec_from_file_location("bench_of_watch", ROOT / "benches" / "watch.py")
+def measured(name: str) -> str:
+    """The table of a bench."""
+    path = ROOT / "benches" / f"{name}.py"
+    spec = importlib.util.spec_from_file_location(f"bench_of_{name}", path)
     assert spec is not None
     assert spec.loader is not None
     bench = importlib.util.module_from_spec(spec)
+    sys.modules[spec.name] = bench
     spec.loader.exec_module(bench)
-    results = json.loads(RESULTS.read_text())
-    tables = {"settings": settings(), "delays": bench.table(results), "quiet": bench.rates(results)}
+    return str(bench.table(json.loads(path.with_suffix(".json").read_text())))
+
+
+def page(text: str) -> str:
+    """The page with fresh tables."""
+    tables = {"settings": settings(), "delays": measured("watch"), "quiet": measured("watch_noises")}
     for name, table in tables.items():
         found = re.compile(rf"(<!-- {name} -->\n)\n?(?:\|.*\n)*\n?")
         assert found.search(text), name

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from echocal._verb import callable_as
 from echocal.calibrate.chain import Chain
 from echocal.calibrate.form import Column, Columns, Form, Parameter
 from echocal.calibrate.losses import LOSSES
@@ -24,6 +25,8 @@ from echocal.observations.given import observed
 from echocal.observations.stated import shifted, uncertain
 
 __all__ = ["Calibration", "Estimate", "Form", "Parameter", "Prediction", "Regression", "calibrate"]
+
+callable_as(__name__)
 
 
 def calibrate(

@@ -23,8 +23,7 @@ from echocal.cli._tables import (
     write_json,
 )
 from echocal.correct import Summary, correct_files
-from echocal.correct.files import refuse_ending
-from echocal.correct.inputs import Inputs, find_inputs
+from echocal.correct.inputs import Inputs, find_inputs, refuse_ending
 from echocal.correct.manifest import FOLDER
 from echocal.correct.said import sentences
 from echocal.errors import DataError, UsageError

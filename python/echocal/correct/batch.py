@@ -7,7 +7,7 @@ from typing import Any
 
 from echocal._core import __version__
 from echocal.correct.driver import Progress, Summary, alone, question_of, run, run_tasks, task_of
-from echocal.correct.inputs import PARQUETS, Inputs, find_inputs, refuse_nested
+from echocal.correct.inputs import PARQUETS, Inputs, find_inputs, refuse_outputs
 from echocal.correct.logs import logs_of
 from echocal.correct.memory import in_bytes
 from echocal.correct.needed import refuse_no_model
@@ -133,7 +133,7 @@ def correct_files(
         source, out = (path if is_url(path) else Path(path).absolute() for path in (source, out))
         models = None if models is None else Path(models).absolute()
     inputs, target = find_inputs(source), place_of(out)
-    refuse_nested(inputs, source, target)
+    refuse_outputs(inputs, source, target)
     if (model is None) == (models is None):
         raise UsageError("give one model (--model), or a folder of models (--models DIR --by COLUMN)")
     if model is not None:

@@ -19,6 +19,7 @@ from echocal.model.indicated_speed import speed_of
 from echocal.observations.found import NOT_READ
 from echocal.observations.hints import completed
 from echocal.observations.marks import MARKS
+from echocal.observations.misspelled import naming
 from echocal.observations.numbers import Missing
 from echocal.observations.part import Part, Seen
 from echocal.observations.plan import make
@@ -252,7 +253,7 @@ class Corrector:
             groups.append((self._job.models.model(own) or model, slice(at, at + count)))
             at += count
         part = None if whole else Part(context.start, context.derived, counted)
-        with counting() as outside:
+        with naming(self._names), counting() as outside:
             rows = correct_rows(table, model, self._needed[key], self._job.reading, part, groups)
         if self._job.round_m is not None:
             step = self._job.round_m

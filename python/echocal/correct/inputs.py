@@ -5,12 +5,21 @@ from dataclasses import dataclass, field
 from pathlib import Path, PurePath, PurePosixPath
 from urllib.parse import unquote
 
-from echocal.errors import DataError, UsageError
+from echocal.errors import DataError, UsageError, writing
 from echocal.objects import Object, is_url
 from echocal.observations.source import is_folder
 from echocal.places import Place
 
-__all__ = ["ENDINGS", "PARQUETS", "TEXTS", "Inputs", "Source", "find_inputs"]
+__all__ = [
+    "ENDINGS",
+    "PARQUETS",
+    "TEXTS",
+    "Inputs",
+    "Source",
+    "find_inputs",
+    "refuse_ending",
+    "refuse_outputs",
+]
 
 PARQUETS = (".parquet", ".pq")
 TEXTS = (".csv", ".tsv", ".csv.gz", ".tsv.gz")
@@ -153,8 +162,24 @@ def _sorted_out(found: Iterable[tuple[Place, PurePath]], given: str) -> Inputs:
     return Inputs(tuple(files), False, tuple(hidden), tuple(unknown))
 
 
-def refuse_nested(inputs: Inputs, given: str | Path, out: Place) -> None:
-    """Raise `UsageError` where outputs would lie among the inputs."""
+def refuse_ending(path: Place) -> None:
+    """Raise `UsageError` for an output of an unknown kind."""
+    if not path.name.lower().endswith(ENDINGS):
+        message = f"cannot write {path}; endings: {', '.join(ENDINGS)}"
+        raise UsageError(message)
+
+
+def refuse_outputs(inputs: Inputs, given: str | Path, out: Place) -> None:
+    """Raise `UsageError` where outputs would replace inputs, lie among them, or have an unknown ending."""
+    if inputs.single:
+        refuse_ending(out)
+        file = inputs.files[0].path
+        if isinstance(file, Path) and isinstance(out, Path):
+            with writing(out):
+                same = out.exists() and out.samefile(file)
+            if same:
+                message = f"{out} is the input itself; choose another output"
+                raise UsageError(message)
     if is_url(given) or is_url(out):
         folder = str(given).rstrip("/") + "/"
         if not inputs.single and f"{out}/".startswith(folder):

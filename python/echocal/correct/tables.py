@@ -6,15 +6,16 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pandas as pd
 from numpy.typing import NDArray
 
+from echocal.correct.appended import appended
 from echocal.correct.needed import needed, refuse_no_model
 from echocal.correct.results import DISTANCE, RESULTS, STATUS, UNCERTAINTY, UNUSABLE
 from echocal.correct.rows import Reading, Rows, correct_rows
 from echocal.errors import DataError, UsageError
 from echocal.model import Model
 from echocal.observations.given import READ_OPTIONS, refuse_keywords
+from echocal.observations.misspelled import naming
 from echocal.observations.numbers import Missing
 from echocal.observations.reading import understood
 from echocal.observations.source import load
@@ -29,9 +30,10 @@ class Corrected:
 
     Attributes
     ----------
-    table : pandas.DataFrame, or polars.DataFrame of such a table, shape (n, m + 4)
-        The unchanged table, and ``corrected_distance_m`` [m], ``distance_standard_uncertainty_m`` [m],
-        ``status``, a reason code, and ``unusable``, its former name. A row
+    table : DataFrame of the library that was given, shape (n, m + 4)
+        The unchanged table of pandas, polars, pyarrow or xarray (a dataset); of pandas for a file, a mapping
+        and other libraries. It has ``corrected_distance_m`` [m], ``distance_standard_uncertainty_m`` [m],
+        ``status``, a reason code, and ``unusable``, its former name, too. A row
         outside of the range of a smooth correction has a reason and the distance without this correction.
     rows : int
         Number of rows.
@@ -70,8 +72,7 @@ def correct(
 ) -> Corrected:
     """Correct every row of a table, in its order.
 
-    `echocal.correct_files` corrects files of any size, and folders. ``echocal.correct.correct_table`` is
-    another name of this function.
+    `echocal.correct_files` corrects files of any size, and folders.
 
     Parameters
     ----------
@@ -134,28 +135,18 @@ def correct(
         trust=reading.trust,
         mark_rows=mark_rows,
     )
-    rows = correct_rows(whole, model, read, reading)
+    with naming(list(whole.columns)):
+        rows = correct_rows(whole, model, read, reading)
     for reason in dict.fromkeys(found.corrupt.values()):
         lost = [row for row, why in found.corrupt.items() if why == reason]
         rows = rows.lost(np.isin(np.arange(len(whole)), lost), reason)
     unusable, marked = counts(rows)
     notes = [*found.notes, *notes, *rows.notes, *said_of(marked)]
-    return Corrected(_appended(table, whole, results_of(rows)), len(whole), unusable, tuple(notes), marked)
+    return Corrected(appended(table, whole, results_of(rows)), len(whole), unusable, tuple(notes), marked)
 
 
 correct_table = correct
-correct.__dict__["correct_table"] = correct  # as `echocal.correct` is the function, not this package
-
-
-def _appended(table: Any, whole: pd.DataFrame, results: Mapping[str, NDArray[Any]]) -> Any:
-    """The table of the user with the results, of the kind that it is: pandas, polars; pandas of a mapping."""
-    if isinstance(table, pd.DataFrame):
-        return table.assign(**results)
-    if type(table).__module__.startswith("polars"):
-        import polars as pl  # the user has it
-
-        return table.with_columns([pl.Series(name, values.tolist()) for name, values in results.items()])
-    return whole.assign(**results)
+"""The name that the function had before; scripts call it."""
 
 
 def results_of(rows: Rows) -> dict[str, NDArray[Any]]:

@@ -24,6 +24,7 @@ The packages, in layers from the lowest to the highest; each imports lower ones 
     Several tables together: which causes they share.
 """
 
+from echocal._verb import callable_as
 from echocal.diagnose.engine import diagnose
 from echocal.diagnose.faults import gross_faults, row_faults
 from echocal.diagnose.findings.parts import (
@@ -60,3 +61,5 @@ __all__ = [
     "noises",
     "row_faults",
 ]
+
+callable_as(__name__)

@@ -20,6 +20,7 @@ from echocal.diagnose.settings import Settings
 from echocal.model import Model
 from echocal.observations import Observations
 from echocal.observations.given import READ_OPTIONS, refuse_keywords
+from echocal.observations.misspelled import naming
 
 __all__ = ["diagnose"]
 
@@ -130,7 +131,9 @@ def diagnose(
         how["reading_speed"] = request.base.reading_speed if reading_speed is None else reading_speed
     reading = read(observations, how)
     simulated, rest = presume(request.base, reading.observations)
-    diagnosis = run(replace(reading, observations=rest), replace(request, base=simulated), work)
+    read_columns = [*rest.source_names.values(), *rest.extra]
+    with naming(read_columns):
+        diagnosis = run(replace(reading, observations=rest), replace(request, base=simulated), work)
     diagnosis = without_presumed(diagnosis, simulated.presumed)
     if reading.observations.stated:
         diagnosis = with_stated(

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from echocal import _core
 from echocal.domain import warn_outside
-from echocal.errors import DataError, ModelError
+from echocal.errors import AbsentError, DataError, ModelError
 from echocal.quantities import AIR, DEFAULTS, FROM_THERMOMETERS, QUANTITIES
 from echocal.registry import find_effect
 
@@ -58,7 +58,7 @@ class Needs:
                     f"pass {name}=..., or assume a value with Model(air={{'{name}': ...}})"
                     f"{_AT if name == 'temperature' else ''}"
                 )
-                raise DataError(message)
+                raise AbsentError(message, name)
         for name, who in self.excluded.items():
             if name in conditions:
                 message = (

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
-from difflib import get_close_matches
 from typing import TYPE_CHECKING
 
 from echocal.observations.found import found_in
 from echocal.observations.hints import role_of
-from echocal.observations.names import INSPECT, looks_like, phrase, unit_of
+from echocal.observations.misspelled import meant as meant_by
+from echocal.observations.names import INSPECT, looks_like, unit_of
 from echocal.observations.plan import Assignment, Plan
 from echocal.observations.proposals import Proposal, propose, unfit
 from echocal.observations.units import FORMS, Form
@@ -17,8 +17,6 @@ if TYPE_CHECKING:
     import pandas as pd
 
 __all__ = ["no_echo", "which_temperature"]
-
-_MISSPELLED = 0.75  # likeness from which on a name is taken for another one misspelled
 
 
 def no_echo(table: pd.DataFrame, plan: Plan) -> str:
@@ -35,7 +33,7 @@ def no_echo(table: pd.DataFrame, plan: Plan) -> str:
 def which_temperature(table: pd.DataFrame, plan: Plan) -> str:
     """How to say which column is the temperature."""
     forms = [form for form in FORMS if form.quantity == "temperature"]
-    if meant := _meant(plan.others, forms):
+    if meant := meant_by(plan.others, forms):
         return meant
     proposed = propose(table, found_in(table), {name: own.name for name, own in _given(plan).items()})
     asked = [name for name in plan.others if "temperature" in proposed[name].reason]
@@ -62,14 +60,14 @@ def _advice(table: pd.DataFrame, plan: Plan, echo: Collection[Form]) -> str:
         ruler = role_of(reference.column) == "distance"
         if len(beside) == 1:
             return f'Say which it is: --column "{beside[0]}"; {INSPECT}'
-        if not ruler and not _meant(others, echo):
+        if not ruler and not meant_by(others, echo):
             request = f"{reference.column}=reading_{reference.unit_name}"
             return f"Record one of them; if the sensor indicates '{reference.column}': --column \"{request}\""
         if not others:
             return f"Record one of them beside '{reference.column}', which is the reference by its name"
     if not others:
         return "Record one of them"
-    if meant := _meant(others, echo):
+    if meant := meant_by(others, echo):
         return f'Did you mean: --column "{meant}"'
     return _of_others(table, others, echo, likely, proposed)
 
@@ -108,16 +106,3 @@ def _of_others(
 def _is_named(request: str, proposed: Mapping[str, Proposal]) -> bool:
     """Whether the name of a column speaks of an echo or a reading, not only its values."""
     return proposed[request.rpartition("=")[0]].reason.startswith("its name")
-
-
-def _meant(others: Collection[str], forms: Collection[Form]) -> str | None:
-    """Request of a column whose name says a quantity in other words, or misspells it."""
-    for name in others:
-        said = phrase(name)
-        if said and said[0] in forms:
-            return f"{name}={Assignment(name, *said).name}"
-    known = [name for form in forms for name in form.names]
-    for name in others:
-        if near := get_close_matches(name, known, n=1, cutoff=_MISSPELLED):
-            return f"{name}={near[0]}"
-    return None

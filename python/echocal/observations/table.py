@@ -157,9 +157,9 @@ class Observations(Shown):
         """
         absent = [name for name in conditions if name not in self.conditions]
         if absent:
-            raise DataError(_absent(purpose, absent[0]))
+            raise DataError(_absent(purpose, absent[0], self))
         if reference_distance and self.reference_distance is None:
-            raise DataError(_absent(purpose, "reference_distance"))
+            raise DataError(_absent(purpose, "reference_distance", self))
         count = int(self.usable.sum())
         if count < rows:
             counts = ", ".join(f"{number} {reason}" for reason, number in self.unusable_counts.items())
@@ -182,12 +182,14 @@ def _no_thermometer(quantity: str, column: str, observations: Observations) -> s
     return f"the model reads {quantity} from the column '{column}', and the table {what}"
 
 
-def _absent(purpose: str, quantity: str) -> str:
+def _absent(purpose: str, quantity: str, observations: Observations) -> str:
     # the names live beside the units; imported late because most tables are complete
+    from echocal.observations.misspelled import misspelled
     from echocal.observations.units import FORMS
 
     names = [name for form in FORMS if form.quantity == quantity for name in form.names]
     return (
         f"{purpose} needs a column for {quantity.replace('_', ' ')}; accepted: {', '.join(names)}; "
         f'map another with --column "NAME={names[0]}"'
+        f"{misspelled(quantity, [*observations.source_names.values(), *observations.extra])}"
     )

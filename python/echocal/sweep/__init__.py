@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from echocal._core import __version__
+from echocal._verb import callable_as
 from echocal.errors import DomainWarning, UsageError, among
 from echocal.model import Model
 from echocal.quantities import QUANTITIES
@@ -18,6 +19,8 @@ if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = ["Range", "parse", "parse_named", "sweep"]
+
+callable_as(__name__)
 
 _LARGEST = 100_000_000
 _RESULTS = {

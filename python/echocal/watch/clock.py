@@ -22,10 +22,8 @@ class Waiting:
         By the clock of the sensor [s].
     number : int
         Of the row among those of the sensor.
-    residual : float
-        Corrected less reference distance [m].
-    signature : list of float
-        See `echocal.watch.monitor.Monitor.add` [m].
+    residual, signature, distance, reading : float, list of float, float, float
+        See `echocal.watch.monitor.Monitor.add`.
     row : dict
         The row for a diagnosis.
     target : (str, int) or None
@@ -36,6 +34,8 @@ class Waiting:
     number: int
     residual: float
     signature: list[float]
+    distance: float
+    reading: float
     row: dict[str, Any]
     target: tuple[str, int] | None = None
 

@@ -13,6 +13,7 @@ from echocal.correct.rows import Reading, correct_rows
 from echocal.domain import counting
 from echocal.errors import DataError
 from echocal.model import Model
+from echocal.observations.misspelled import naming
 from echocal.observations.part import Part
 from echocal.watch.rows import Columns, Reader, Row
 
@@ -134,7 +135,7 @@ def _correct(
     try:
         own = _needed(columns, model, reading)
         table = _table(entries, columns, own)
-        with counting() as outside:
+        with counting() as outside, naming(columns.names):
             rows = correct_rows(table, model, own, reading, Part(derived=_rates(entries, columns)))
     except DataError as error:
         for place in places:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.watch.noise import Noises, learn, whitened
+from echocal.watch.noise import Noises, coarse, growth, learn, unlike, weights, whitened
 from echocal.watch.sequential import Onset, Onsets
 from echocal.watch.settings import WatchSettings
 from echocal.watch.threshold import slack, threshold
@@ -18,7 +18,10 @@ __all__ = ["Alarm", "Monitor"]
 Column = NDArray[np.float64]
 
 DAY = 86400.0
-_PLAIN = ("interval", "rows", "origin", "height", "seen", "trend", "scale", "rho", "theta", "classes")
+_PLAIN = (
+    *("interval", "rows", "origin", "height", "seen", "trend", "classes"),
+    *("scale", "recent", "growth", "rho", "theta", "unstated"),
+)
 _STEP = 0.005  # m: the signature of a step, its usual size
 
 
@@ -60,6 +63,8 @@ class Monitor:
         Columns of the signatures that are tested, one of each class of aliases.
     classes : list of list of int
         Columns of each class.
+    unstated : str
+        Why no rate of false alarms is stated; nothing if it is.
     """
 
     settings: WatchSettings
@@ -69,7 +74,7 @@ class Monitor:
     rows: int = 0
     origin: float = 0.0
     last: float = -np.inf
-    waiting: list[tuple[float, float, list[float]]] = field(default_factory=list)
+    waiting: list[tuple[float, float, list[float], float, float]] = field(default_factory=list)
     noises: Noises | None = None
     rho: float = 0.0
     theta: float = 0.0
@@ -80,6 +85,9 @@ class Monitor:
     covariance: Column = field(default_factory=lambda: np.empty((0, 0)))
     memory: Column = field(default_factory=lambda: np.empty(0))
     scale: float = 0.0
+    recent: float = 0.0
+    growth: tuple[float, float] = (0.0, 1.0)
+    unstated: str = ""
     onsets: Onsets | None = None
     marks: dict[int, float] = field(default_factory=dict)
 
@@ -88,32 +96,55 @@ class Monitor:
         """Whether it still learns what is usual."""
         return self.noises is None
 
-    def add(self, time: float, residual: float, signature: Column) -> Alarm | None:
-        """Take one row in: its time [s], residual [m] and signatures [m]; in the order of time."""
+    def add(
+        self, time: float, residual: float, signature: Column, distance: float = 1.0, reading: float = np.nan
+    ) -> Alarm | None:
+        """Take one row in, in the order of time.
+
+        Parameters
+        ----------
+        time : float
+            [s].
+        residual, distance : float
+            Corrected less reference distance, and the latter [m].
+        signature : ndarray
+            [m].
+        reading : float
+            As it came, in any unit.
+        """
         if self.rows == 0:
             self.origin = time
         self.rows += 1
         if self.noises is None:
-            self.waiting.append((time, residual, signature.tolist()))
+            self.waiting.append((time, residual, signature.tolist(), distance, reading))
             if len(self.waiting) == self.settings.learn:
                 self._learn()
             self.last = time
             return None
-        return self._test(time, residual, signature)
+        weight = float(weights(distance, self.growth))
+        return self._test(time, residual * weight, signature * weight, weight)
 
     def _learn(self) -> None:
-        times = np.array([time for time, _, _ in self.waiting])
+        times, residual, distance, reading = np.array([(t, y, d, r) for t, y, _, d, r in self.waiting]).T
         if self.interval is None:
             self.interval = max(float(np.median(np.diff(times))), 1e-3)
-        residual = np.array([value for _, value, _ in self.waiting])
-        every = np.array([row for _, _, row in self.waiting])
+        every = np.array([row for _, _, row, _, _ in self.waiting])
         starts = np.flatnonzero(np.diff(times, prepend=-np.inf) > self.settings.gap * self.interval)
         usual = learn(residual, every[:, :1], self._prior(1), starts, self.settings)
+        self.growth = growth(usual.cleaned, distance)
+        weight = weights(distance, self.growth)
+        residual, every = residual * weight, every * weight[:, None]
         self._classes(whitened(every, usual.rho, usual.theta, starts))
         columns = every[:, list(self.tested)]
         prior = self._prior(len(self.tested))
         found = learn(residual, columns, prior, starts, self.settings)
         self.rho, self.theta, self.scale = found.rho, found.theta, found.scale
+        self.recent = self.scale
+        clip = self.settings.clip
+        scores = np.clip(whitened(found.cleaned, self.rho, self.theta, starts) / self.scale, -clip, clip)
+        self.unstated = coarse(reading, distance, usual.cleaned) or unlike(
+            scores, whitened(columns, self.rho, self.theta, starts), self.settings.refused
+        )
         self.noises = Noises(self.settings)
         for row, value in enumerate(found.cleaned.tolist()):
             self.noises.add(value, begins=row in starts)
@@ -126,8 +157,8 @@ class Monitor:
         self._set_height()
         self.memory = np.zeros(width + 1)
         self.onsets = Onsets(width, self.settings.onsets, self.settings.longest)
-        for time, value, own in self.waiting[int(starts[-1]) :]:  # what the filter remembers
-            self._remember(value, self._columns(time, np.array(own)))
+        for row in range(int(starts[-1]), len(times)):  # what the filter remembers
+            self._remember(float(residual[row]), self._columns(float(times[row]), every[row], 1.0))
         self.waiting = []
 
     def _classes(self, rows: Column) -> None:
@@ -166,22 +197,23 @@ class Monitor:
         rho, theta = float(self.noises.rho[best]), float(self.noises.theta[best])
         if (rho, theta) != (self.rho, self.theta):
             self.rho, self.theta = rho, theta
-            self.scale = float(np.sqrt(self.noises.squares[best] / self.noises.rows))
+            before, self.scale = self.scale, float(np.sqrt(self.noises.squares[best] / self.noises.rows))
+            self.recent *= self.scale / before
 
-    def _columns(self, time: float, signature: Column) -> Column:
+    def _columns(self, time: float, signature: Column, weight: float) -> Column:
         """Columns that explain what is usual: a trend counts only after a change."""
-        trend = 0.0 if self.trend is None else _STEP * (time - self.trend) / DAY
+        trend = 0.0 if self.trend is None else _STEP * weight * (time - self.trend) / DAY
         return np.append(signature[list(self.tested)], trend)
 
     def _remember(self, value: float, columns: Column) -> None:
         self.memory = np.append(columns, value) + self.theta * self.memory
 
-    def _test(self, time: float, residual: float, signature: Column) -> Alarm | None:
+    def _test(self, time: float, residual: float, signature: Column, weight: float) -> Alarm | None:
         noises, onsets = self.noises, self.onsets
         assert noises is not None
         assert onsets is not None
         assert self.interval is not None
-        columns = self._columns(time, signature)
+        columns = self._columns(time, signature, weight)
         begins = time - self.last > self.settings.gap * self.interval
         self.last = time
         change, first = self.theta - self.rho, 1.0
@@ -194,12 +226,13 @@ class Monitor:
         along = self.covariance @ x
         spread = float(np.sqrt(1.0 + x @ along))
         error = float(y - x @ self.mean)
-        raw = error / (self.scale * spread)
-        score = float(np.clip(raw, -self.settings.clip, self.settings.clip))
-        cleaned = score * self.scale * spread
+        scale = self.recent if self.recent > self.settings.greater * self.scale else self.scale
+        clip = self.settings.clip
+        score = float(np.clip(error / (scale * spread), -clip, clip))
+        cleaned = score * scale * spread
         day = (time - self.origin) / DAY
         tested = signature[list(self.tested)] * first
-        ratio = onsets.add(self.rows, day, tested, score, (self.rho, self.theta, self.scale * spread))
+        ratio = onsets.add(self.rows, day, tested, score, (self.rho, self.theta, scale * spread), weight)
         self.marks[self.rows] = time
         self.marks = {row: self.marks[row] for row in onsets.rows.tolist()}
         self.mean = self.mean + along * (cleaned / spread**2)
@@ -207,16 +240,19 @@ class Monitor:
         usual = residual - (error - cleaned) / first
         noises.add(usual - float(columns @ self.mean), begins=begins)
         self._remember(usual, columns)
-        self._rescale(score)
+        self._rescale(error / spread)
         if 2.0 * ratio <= self.height**2:
             return None
         return self._alarm(time, float(np.sqrt(2.0 * ratio)))
 
-    def _rescale(self, score: float) -> None:
-        """Follow the scale: the clipped scores have the variance that normal noise has."""
+    def _rescale(self, error: float) -> None:
+        """Follow the scales, of all and of recent rows: clipped scores vary as those of normal noise."""
         self.seen += 1
         usual = _clipped_variance(self.settings.clip)
-        self.scale *= float(np.sqrt(max(1.0 + (score * score / usual - 1.0) / self.seen, 0.25)))
+        for name, rows in (("scale", self.seen), ("recent", self.settings.recent)):
+            scale = getattr(self, name)
+            square = min(abs(error) / scale, self.settings.clip) ** 2 / usual
+            setattr(self, name, scale * float(np.sqrt(max(1.0 + (square - 1.0) / rows, 0.25))))
         if self.seen & (self.seen - 1) == 0:
             self._choose_noise()
             self._set_height()
@@ -264,7 +300,7 @@ class Monitor:
             setattr(own, name, kept[name])
         own.tested = tuple(kept["tested"])
         own.last = -np.inf if kept["last"] is None else kept["last"]
-        own.waiting = [(time, value, row) for time, value, row in kept["waiting"]]
+        own.waiting = [tuple(row) for row in kept["waiting"]]
         own.marks = {int(row): time for row, time in kept["marks"]}
         own.mean, own.memory = np.array(kept["mean"]), np.array(kept["memory"])
         width = len(own.mean)

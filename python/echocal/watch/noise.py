@@ -1,20 +1,24 @@
 """The noise of a sensor: learned once from its first rows, then used to whiten each row."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import cho_factor, cho_solve
 from scipy.signal import lfilter
+from scipy.stats import chi2
 
 from echocal.observations.quantiles import MAD_TO_SD
 from echocal.watch.settings import WatchSettings
 
-__all__ = ["Learned", "Noises", "learn", "whitened"]
+__all__ = ["Learned", "Noises", "coarse", "growth", "learn", "unlike", "weights", "whitened"]
 
 Column = NDArray[np.float64]
 
 _ROUNDS = 4  # of clipping outliers and fitting again
+_GROWTHS = (0.0, 0.25, 0.5, 1.0, 2.0, 4.0, 1e3)
+_BLOCKS = (8, 16, 32, 64, 128)  # rows
 
 
 @dataclass(frozen=True)
@@ -175,3 +179,62 @@ def _running_median(values: Column) -> Column:
         return np.full(len(values), float(np.median(values)))
     padded = np.pad(values, 2, mode="reflect")
     return np.asarray(np.median(np.lib.stride_tricks.sliding_window_view(padded, 5), axis=1))
+
+
+def weights(distance: Column | float, growth: tuple[float, float]) -> Any:
+    """Usual noise over that at a distance [m]; `growth` is its slope at the distance beside it."""
+    slope, usual = growth
+    return np.sqrt((1.0 + slope**2) / (1.0 + (slope * np.asarray(distance) / usual) ** 2))
+
+
+def growth(cleaned: Column, distance: Column) -> tuple[float, float]:
+    """How noise grows with the distance: the most probable slope, if the rows show one (BIC)."""
+    usual = float(np.median(np.abs(distance))) or 1.0
+    tried = [weights(distance, (slope, usual)) for slope in _GROWTHS]
+    log = [float(np.log(w).sum() - 0.5 * len(w) * np.log(np.mean((w * cleaned) ** 2) + 1e-18)) for w in tried]
+    best = int(np.argmax(log))
+    return (_GROWTHS[best] if log[best] - log[0] > 0.5 * np.log(len(cleaned)) else 0.0), usual
+
+
+def unlike(scores: Column, columns: Column, probability: float) -> str:
+    """Why whitened rows are not those of steady noise of the model class; nothing if they may be.
+
+    Sums over blocks of independent scores have the variance of the sum of their squares.
+
+    Parameters
+    ----------
+    scores : ndarray, shape (n,)
+        Standardized, clipped.
+    columns : ndarray, shape (n, p)
+        Whitened signatures.
+    probability : float
+        That steady noise is refused.
+    """
+    squares = scores * scores
+    tried = np.column_stack([columns * scores[:, None], squares - squares.mean()])
+    level = 1.0 - probability / (len(_BLOCKS) * tried.shape[1])
+    over = np.zeros(tried.shape[1], dtype=bool)
+    for rows in _BLOCKS:
+        blocks = len(scores) // rows
+        if blocks >= 3:
+            own = tried[: blocks * rows].reshape(blocks, rows, -1)
+            ratio = (own.sum(axis=1) ** 2).sum(axis=0) / ((own * own).sum(axis=(0, 1)) + 1e-300)
+            over |= ratio * blocks > chi2.ppf(level, blocks)
+    if over[:-1].any():
+        return "errors that belong to a cause come and go"
+    return "the noise is greater at some times than at others" if over[-1] else ""
+
+
+def coarse(reading: Column, distance: Column, cleaned: Column) -> str:
+    """Why rounded readings leave an error that rows do not average out; nothing if they do not.
+
+    From a noise of 0.5 steps on (0.58 with the rounding), and at ever new distances, rounding is white noise.
+    """
+    if not np.isfinite(reading).all() or 10 * len(np.unique(distance)) > len(distance):
+        return ""
+    steps = np.diff(np.unique(reading))
+    scale = abs(float(np.median(distance)) / (float(np.median(reading)) or np.nan))
+    step = float(steps.min(initial=np.inf)) * scale
+    if not np.isfinite(step) or np.std(cleaned) > step / np.sqrt(3.0):
+        return ""
+    return f"readings are whole steps of {1e3 * step:.3g} mm, more than their noise, at few distances"

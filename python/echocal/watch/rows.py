@@ -42,7 +42,14 @@ class Columns:
     @property
     def has_echo(self) -> bool:
         """Whether a row with these columns can have a distance."""
-        return any(name in self.plan.assignments for name in _ECHOES)
+        return self.echo != ""
+
+    @property
+    def echo(self) -> str:
+        """The column of the echo time or the reading; nothing without one."""
+        return next(
+            (self.plan.assignments[name].column for name in _ECHOES if name in self.plan.assignments), ""
+        )
 
     @property
     def clock(self) -> Assignment | None:

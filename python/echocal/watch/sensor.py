@@ -198,7 +198,9 @@ class Sensor:
             kept = row_to_keep(entry.row, entry.numbers, entry.columns)
             if self.reference == "others":
                 kept["distance_m"] = row.reference
-            one = Waiting(entry.time, entry.number, row.distance - against, signature, kept, row.target)
+            reading = entry.numbers.get(entry.columns.echo, np.nan) if entry.columns is not None else np.nan
+            residual = row.distance - against
+            one = Waiting(entry.time, entry.number, residual, signature, against, reading, kept, row.target)
             if row.status:
                 events += [(entry.place, e) for e in sentences.ignored(self, one, [one], row.status)]
                 continue
@@ -225,7 +227,7 @@ class Sensor:
         host.keep(self, row, time)
         events = []
         was_learning = self.monitor.learning
-        alarm = self.monitor.add(time, row.residual, np.array(row.signature))
+        alarm = self.monitor.add(time, row.residual, np.array(row.signature), row.distance, row.reading)
         if was_learning and not self.monitor.learning:
             events.append(sentences.learned(self, row))
         if alarm is not None:

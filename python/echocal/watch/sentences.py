@@ -73,11 +73,13 @@ def learned(sensor: Watched, row: Waiting) -> Event:
     """What is usual is known; the diagnosis of these rows is due."""
     own, settings = sensor.monitor, sensor.settings
     level = 0.5 * own.height**2
+    rate = f"for at most {settings.false_alarms:g} false alarms a year"
+    if own.unstated:
+        rate = f"but no rate of false alarms is stated, because {own.unstated}"
     sentence = (
         f"learned what is usual from {settings.learn} rows: noise {1e3 * own.scale:.2f} mm "
         f"(autocorrelation {own.rho:g}), a row every {own.interval:g} s; tests {len(own.tested) + 1} "
-        f"signatures; tells a change from a log likelihood ratio of {level:.1f} on, for at most "
-        f"{settings.false_alarms:g} false alarms a year"
+        f"signatures; tells a change from a log likelihood ratio of {level:.1f} on, {rate}"
     )
     details = {
         "standard_deviation_m": own.scale,
@@ -85,7 +87,8 @@ def learned(sensor: Watched, row: Waiting) -> Event:
         "white_part": own.theta,
         "interval_s": own.interval,
         "threshold": level,
-        "false_alarms_per_year": settings.false_alarms,
+        "false_alarms_per_year": None if own.unstated else settings.false_alarms,
+        "no_rate_because": own.unstated or None,
         "tested": sensor.classes(),
     }
     sensor.follow = {"since": None, "from": -1e300, "at": 0, "rows": settings.learn - 1}

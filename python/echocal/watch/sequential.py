@@ -60,7 +60,13 @@ class Onsets:
         self.information = np.empty((0, signatures))
 
     def add(
-        self, row: int, time: float, signature: Column, score: float, noise: tuple[float, float, float]
+        self,
+        row: int,
+        time: float,
+        signature: Column,
+        score: float,
+        noise: tuple[float, float, float],
+        weight: float = 1.0,
     ) -> float:
         """Take one row in, and return the largest log likelihood ratio.
 
@@ -75,6 +81,8 @@ class Onsets:
             Standardized innovation of this row.
         noise : (float, float, float)
             Autocorrelation, white part, standard deviation of the innovation [m].
+        weight : float
+            What the signature has been multiplied by, for the drift.
         """
         rho, theta, scale = noise
         self._thin(row)
@@ -86,7 +94,7 @@ class Onsets:
         self.information = np.concatenate([self.information, blank])
         added = np.empty_like(self.past)
         added[:, :-1] = signature
-        added[:, -1] = time - self.times
+        added[:, -1] = (time - self.times) * weight
         innovation = added + (theta - rho) * self.past
         self.past *= theta
         self.past += added

@@ -71,6 +71,18 @@ class WatchSettings:
         "diagnosis, with steps between",
     )
     white: float = threshold(0.5, "1", "prior probability of white noise; as the diagnosis")
+    recent: int = threshold(
+        64, "rows", "that a scale of recent rows remembers; chosen by hand: a doubled noise is seen after 35"
+    )
+    greater: float = threshold(
+        1.35,
+        "1",
+        "ratio of the scale of recent rows over that of all, from which it counts; argument: 6 standard "
+        "deviations of the former in white noise",
+    )
+    refused: float = threshold(
+        0.01, "1", "probability that no rate is stated though the noise is of the model class; convention"
+    )
     interval: float = threshold(0.95, "1", "probability of the interval of an onset; convention")
     gap: float = threshold(5.0, "usual intervals", "a longer wait begins a new series; as the diagnosis")
     confirm: int = threshold(
