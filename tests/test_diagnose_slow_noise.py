@@ -63,7 +63,7 @@ def test_the_bound_is_the_posterior_under_the_least_favorable_autoregression(
         of = [fit.hypothesis for fit in fits]
         none.append(share[[not one.effects for one in of]].sum())
         nothing.append(share[[not one.variants for one in of]].sum())
-    limit = max(total) - case.settings.claims.possible_autoregression
+    limit = max(total) - case.settings.claims.strong
     expected = [  # an autoregression may be on the very limit
         (np.array(none)[counts].max(), np.array(nothing)[counts].max())
         for counts in (np.array(total) > limit + 0.05, np.array(total) > limit - 0.05)

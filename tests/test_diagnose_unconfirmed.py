@@ -54,8 +54,8 @@ def test_what_goes_on_is_named(random: np.random.Generator) -> None:
 @pytest.mark.filterwarnings("ignore")
 def test_the_threshold_is_a_setting(random: np.random.Generator) -> None:
     """No evidence is enough for a threshold that no rows reach."""
-    assert Settings().claims.confirmed == 3.0
+    assert Settings().claims.strong == 3.0
     table = device(random, gain_until=np.inf)
-    found = echocal.diagnose(table, base="cramer", settings={"claims": {"confirmed": 1e9}})
+    found = echocal.diagnose(table, base="cramer", settings={"claims": {"strong": 1e9}})
     assert found.verdict == "ambiguous"
     assert all("cross-validated rows do not show" in c.doubt for c in found.causes if c.in_model)

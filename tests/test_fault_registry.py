@@ -15,6 +15,7 @@ from echocal.cli import app
 from echocal.diagnose.catalogue import find_cause, irregularities
 from echocal.diagnose.faults import FaultSettings, Finding, common, registry
 from echocal.diagnose.faults.common.fault import Fault
+from echocal.diagnose.settings.causes import every_threshold
 
 EVERY = pytest.mark.parametrize("fault", registry.FAULTS, ids=lambda fault: fault.facts.id)
 COLUMNS = {
@@ -119,13 +120,15 @@ def test_without_its_line_it_is_nowhere(
     assert id_ not in accepted(table)
     assert f"## {id_}\n" not in effects_page.page()
     assert f" {id_} " not in CliRunner().invoke(app, ["effects"]).output
-    assert not [each for each in registry.every_threshold(FaultSettings()) if each.name.startswith(f"{id_}.")]
+    assert not [
+        each for each in every_threshold(FaultSettings(), registry.FAULTS) if each.name.startswith(f"{id_}.")
+    ]
     with pytest.raises(echocal.UsageError, match=id_):
         find_cause(id_)
 
 
 def test_every_number_says_its_unit_and_where_it_comes_from() -> None:
-    numbers = list(registry.every_threshold(FaultSettings()))
+    numbers = list(every_threshold(FaultSettings(), registry.FAULTS))
     assert len({each.name for each in numbers}) == len(numbers)
     assert all(each.unit and each.source for each in numbers)
     assert {f"{fault.facts.id}.prior" for fault in registry.FAULTS} <= {each.name for each in numbers}

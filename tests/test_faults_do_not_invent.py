@@ -11,9 +11,9 @@ from frozen import tables as corpus
 from planted import accepted, clean, search
 
 import echocal
-from echocal.diagnose.faults import FaultSettings, find_faults, registry
-from echocal.diagnose.noises import NoiseSettings
+from echocal.diagnose.faults import find_faults, registry
 from echocal.diagnose.preprocess.base import Base
+from echocal.diagnose.settings import Settings
 
 Columns = dict[str, np.ndarray]
 
@@ -177,7 +177,7 @@ def test_a_reset_thermometer_is_no_fahrenheit(unit: str, random: np.random.Gener
     table[f"temperature_{unit}"] = celsius if unit == "C" else 32 + 1.8 * celsius
     table["echo_us"] = 2e6 * table.pop("reading_m") / (331.4 + 0.6 * 29)
     data = echocal.read_observations(table)
-    faults = find_faults(data, Base.of("linear"), None, False, FaultSettings(), NoiseSettings())
+    faults = find_faults(data, Base.of("linear"), None, False, Settings())
     assert [f.cause for f in faults.accepted if f.facts.kind != "noise"][:1] == ["reset_temperature"]
     assert np.flatnonzero(~faults.observations.usable).tolist()[:5] == sorted(rows)[:5]
 
@@ -255,7 +255,7 @@ def test_records_of_loggers_have_no_invented_fault(shared: Path) -> None:
     if not (shared / "data").is_dir():
         pytest.skip(f"no real records in {shared}")
     for name, data, constant in records(shared):
-        faults = find_faults(data, Base.of("cramer"), None, constant, FaultSettings(), NoiseSettings())
+        faults = find_faults(data, Base.of("cramer"), None, constant, Settings())
         no_echo = [f.rows for f in faults.accepted if f.cause == "timeout"]
         assert all(data.reading is not None and not data.reading[rows].any() for rows in no_echo), name
         found = {f.cause for f in faults.accepted} - ({"timeout"} if name == "cycling" else set())

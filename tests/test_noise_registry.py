@@ -21,6 +21,7 @@ from echocal.diagnose.noises.common.kinds import (
     OffsetNoise,
     Quantization,
 )
+from echocal.diagnose.settings.causes import every_threshold
 
 EVERY = pytest.mark.parametrize("noise", registry.NOISES, ids=lambda noise: noise.facts.id)
 
@@ -142,7 +143,7 @@ def test_without_its_line_it_is_nowhere(
 
 
 def test_every_number_says_its_unit_and_where_it_comes_from() -> None:
-    numbers = list(registry.every_threshold(NoiseSettings()))
+    numbers = list(every_threshold(NoiseSettings(), registry.NOISES))
     assert len({each.name for each in numbers}) == len(numbers)
     assert all(each.unit and each.source for each in numbers)
     assert {f"{noise.facts.id}.prior" for noise in registry.NOISES} <= {each.name for each in numbers}

@@ -7,8 +7,8 @@ import numpy as np
 import echocal
 from echocal.diagnose.faults import Faults, FaultSettings, find_faults
 from echocal.diagnose.findings.facts import Columns
-from echocal.diagnose.noises import NoiseSettings
 from echocal.diagnose.preprocess.base import Base
+from echocal.diagnose.settings import Settings
 from echocal.observations.plan import EVERYTHING
 
 ROWS = 400
@@ -33,7 +33,7 @@ def search(table: Columns, settings: FaultSettings | None = None) -> tuple[echoc
     with warnings.catch_warnings(action="ignore"):  # what is wrong with the table is what it is for
         data = echocal.read_observations(table, reading_speed=law, trust=(EVERYTHING,))
         constant = "distance_m" not in table
-        faults = find_faults(data, Base.of(law), None, constant, settings or FaultSettings(), NoiseSettings())
+        faults = find_faults(data, Base.of(law), None, constant, Settings(faults=settings or FaultSettings()))
     return data, faults
 
 

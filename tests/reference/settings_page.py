@@ -14,6 +14,7 @@ from typing import Any
 from echocal.diagnose.faults import registry as faults
 from echocal.diagnose.noises import registry as noises
 from echocal.diagnose.settings import Settings, table
+from echocal.diagnose.settings.causes import every_threshold
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGE = ROOT / "docs" / "settings.md"
@@ -250,6 +251,13 @@ CORE = (
         "range of the readings of a wild row (Eq. 1a); argument: half of the range of an HC-SR04",
     ),
     (
+        "PROBABLE",
+        "probability",
+        "settings/threshold.py",
+        "from it on a noise, a fault, a step of the level or an unexplained term counts as present; more "
+        "probable than not",
+    ),
+    (
         "VARIANCE_FLOOR",
         "m",
         "settings/noise_models.py",
@@ -300,8 +308,8 @@ def lines() -> Iterator[str]:
     yield OF_CAUSES
     shared = {name.partition(".")[2] for name, *_ in table()}
     settings = Settings()
-    for registry, own in ((noises, settings.noises), (faults, settings.faults)):
-        for one in registry.every_threshold(own):
+    for causes, own in ((noises.NOISES, settings.noises), (faults.FAULTS, settings.faults)):
+        for one in every_threshold(own, causes):
             if one.name not in shared:
                 yield line(one.name, one.value, one.unit, one.source)
     yield f"\n{IN_CORE}"

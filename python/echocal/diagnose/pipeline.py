@@ -51,6 +51,9 @@ from echocal.observations.checks import still_refused
 
 __all__ = ["Examined", "examined", "run"]
 
+_CONSIDERED = 1e-3  # probability beside some set from which on the folds consider a noise, too
+_MOST_LEVEL_STEPS = 6  # repetitions, each with a further step of the level
+
 
 @dataclass(frozen=True)
 class Examined:
@@ -112,7 +115,7 @@ def examined(reading: Reading, request: Request, work: Steps) -> Examined:
         refuse_contradiction(whole, distance, constant)
         after = request.hold_out_after
         read, _ = split(whole, after, settings.rows.fewest)
-        faults = find_faults(read, base.assumed, distance, constant, settings.faults, settings.noises)
+        faults = find_faults(read, base.assumed, distance, constant, settings)
         if reading.refusal is not None and not faults.explain_a_refusal:
             raise reading.refusal
         if why := still_refused(faults.observations):  # a repair of one column hides no other one
@@ -158,11 +161,11 @@ def examined(reading: Reading, request: Request, work: Steps) -> Examined:
 
             work.begin("validating claims")
             selection = select(case, ranking, shares, reduced)
-            possible = shares.possible(settings.noises.considered)
+            possible = shares.possible(_CONSIDERED)
             judge = judge_of(case, reduced.noises, possible, held, after, steps)
             validation = validate(case, selection, judge, reduced)
             step = validation.further_level_step(case.table)
-            if step is None or len(level_steps) == settings.rows.most_level_steps:
+            if step is None or len(level_steps) == _MOST_LEVEL_STEPS:
                 break
             level_steps.append(step)
             work.level_steps = len(level_steps)

@@ -7,6 +7,7 @@ from math import comb
 from typing import Any
 
 from echocal.diagnose.settings import Settings
+from echocal.diagnose.settings.threshold import PROBABLE
 
 __all__ = ["together"]
 
@@ -32,9 +33,7 @@ def together(rows: Sequence[Mapping[str, Any]], settings: Settings) -> list[dict
     pairs: Counter[tuple[str, str]] = Counter()
     for row in judged:
         claims = [
-            frozenset(cause["class"])
-            for cause in row["causes"]
-            if cause["class_probability"] >= settings.claims.reported_from
+            frozenset(cause["class"]) for cause in row["causes"] if cause["class_probability"] >= PROBABLE
         ]
         single.update({id_ for claim in claims for id_ in claim})
         both = {

@@ -9,6 +9,7 @@ from scipy.linalg import cho_factor, cho_solve
 from scipy.signal import lfilter
 from scipy.stats import chi2
 
+from echocal.observations.quantiles import MAD_TO_SD
 from echocal.watch.settings import WatchSettings
 
 __all__ = ["Learned", "Noises", "coarse", "growth", "learn", "unlike", "weights", "whitened"]
@@ -167,7 +168,7 @@ def _without_outliers(
             [_running_median(left[a:b]) for a, b in zip(starts.tolist(), ends, strict=True)]
         )
         away = left - level
-        spread = 1.4826 * float(np.median(np.abs(away))) + 1e-12
+        spread = MAD_TO_SD * float(np.median(np.abs(away))) + 1e-12
         limit = (settings.clip + 1.0) * spread
         cleaned = residual - away + np.clip(away, -limit, limit)
     return cleaned

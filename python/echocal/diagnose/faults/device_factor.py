@@ -12,6 +12,7 @@ from echocal.diagnose.faults.common.repair import divided
 from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
 from echocal.diagnose.preprocess.view import View, least_absolute
 from echocal.diagnose.settings.faults import FaultSettings
+from echocal.observations.quantiles import MAD_TO_SD
 
 __all__ = ["FAULT"]
 
@@ -115,7 +116,7 @@ def _line(along: Column, indication: Column, near: float) -> _Line | None:
     """
     columns = np.stack([np.ones_like(along), along])
     left = indication - least_absolute(columns, indication) @ columns
-    scatter = max(1.4826 * float(np.median(np.abs(left))), _LEAST)
+    scatter = max(MAD_TO_SD * float(np.median(np.abs(left))), _LEAST)
     inside = np.abs(left) <= _INSIDE * scatter
     columns, values = columns[:, inside], indication[inside]
     if not np.ptp(columns[1]) > 0:

@@ -17,6 +17,7 @@ from echocal.diagnose.preprocess.usable import some
 from echocal.diagnose.preprocess.view import View
 from echocal.diagnose.settings.faults import FaultSettings
 from echocal.diagnose.settings.threshold import threshold
+from echocal.observations.quantiles import MAD_TO_SD
 from echocal.observations.units_said import split_unit, symbol_of
 
 __all__ = ["FAULT"]
@@ -129,7 +130,7 @@ def _single(recorded: Column, known: Mask, own: Thresholds) -> tuple[Mask, float
 
     around = pd.Series(values).rolling(2 * _HALF_WINDOW + 1, center=True, min_periods=3).median().to_numpy()
     off, off_converted = np.abs(values - around), np.abs(celsius(values) - around)
-    near = max(own.back, 2 * 1.4826 * float(np.median(off)))  # two standard deviations
+    near = max(own.back, 2 * MAD_TO_SD * float(np.median(off)))  # two standard deviations
     evidence = 2.0 * (off**2 - off_converted**2) / near**2
     found = (off_converted < near) & (evidence > own.each)
     rows[at] = found

@@ -28,6 +28,7 @@ from echocal.diagnose.preprocess.window import OUTSIDE
 from echocal.diagnose.settings.faults import FaultSettings
 from echocal.diagnose.settings.threshold import threshold
 from echocal.observations.marks import RowRule, seconds
+from echocal.observations.quantiles import MAD_TO_SD
 
 __all__ = ["FAULT"]
 
@@ -158,7 +159,7 @@ def _last(value: Column, length: int, scatter: float, own: Thresholds) -> int | 
     if len(ahead) < _AFTER:
         return None
     center = float(np.median(ahead))
-    scale = max(1.4826 * float(np.median(np.abs(ahead - center))), scatter)
+    scale = max(MAD_TO_SD * float(np.median(np.abs(ahead - center))), scatter)
     unit = np.abs(value[:length] - center) / scale
     far = unit > own.off
     if far.sum() < own.fewest:

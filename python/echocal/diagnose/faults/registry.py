@@ -1,14 +1,11 @@
 """The registry of faults: one line each, in the order in which a table is searched."""
 
-from collections.abc import Iterator
 from importlib import import_module
 from typing import Literal
 
 from echocal.diagnose.faults.common.fault import Fault
-from echocal.diagnose.settings.causes import Threshold, listed_thresholds
-from echocal.diagnose.settings.faults import FaultSettings
 
-__all__ = ["FAULTS", "every_threshold", "of_kind"]
+__all__ = ["FAULTS", "of_kind"]
 
 
 def _fault(id_: str) -> Fault:
@@ -48,13 +45,3 @@ FAULTS: tuple[Fault, ...] = tuple(
 def of_kind(kind: Literal["gross", "row"]) -> tuple[Fault, ...]:
     """Faults of whole columns, or of single rows."""
     return tuple(fault for fault in FAULTS if fault.facts.kind == kind)
-
-
-def every_threshold(settings: FaultSettings) -> Iterator[Threshold]:
-    """List every number that decides about faults: shared ones, priors, and those of each fault."""
-    yield from listed_thresholds(settings)
-    for fault in FAULTS:
-        facts = fault.facts
-        yield Threshold(f"{facts.id}.prior", settings.prior(facts), "1", facts.prior_source)
-        own = settings.of(facts, type(fault.thresholds))
-        yield from listed_thresholds(own, facts.id)

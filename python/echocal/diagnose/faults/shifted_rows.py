@@ -10,6 +10,7 @@ from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
 from echocal.diagnose.preprocess.view import View
 from echocal.diagnose.settings.faults import FaultSettings
 from echocal.observations import Observations
+from echocal.observations.quantiles import MAD_TO_SD
 
 __all__ = ["FAULT"]
 
@@ -72,7 +73,7 @@ def _candidates(view: View) -> list[tuple[float, int, int]]:
     own, wide, found = np.abs(view.indication - view.reference), float(np.nanmax(view.indication)), []
     for shift in _SHIFTS:
         off = np.abs(view.indication - _earlier(view.reference, shift))
-        scatter = max(1.4826 * float(np.nanmedian(np.fmin(own, off))), view.resolution, 1e-3)
+        scatter = max(MAD_TO_SD * float(np.nanmedian(np.fmin(own, off))), view.resolution, 1e-3)
         gain = np.nan_to_num(log_density(off, scatter, wide) - log_density(own, scatter, wide))
         suffix = np.cumsum(gain[::-1])[::-1]
         first = len(suffix) - 1 - int(np.argmax(suffix[::-1]))

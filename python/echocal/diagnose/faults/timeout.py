@@ -14,6 +14,7 @@ from echocal.diagnose.preprocess.view import View
 from echocal.diagnose.settings.faults import FaultSettings
 from echocal.diagnose.settings.threshold import threshold
 from echocal.observations.marks import RowRule
+from echocal.observations.quantiles import MAD_TO_SD
 
 __all__ = ["FAULT"]
 
@@ -118,7 +119,7 @@ def _constant(
     good = rest.indication[rest.good]
     among_good = own.among if np.median(place) <= good.max() else 1.0
     here = float(np.log(0.5 * among_good / settings.constant.range + 0.5 * known))
-    slow = 0.0 if view.known else 1.4826 * float(np.median(np.abs(good - np.median(good))))
+    slow = 0.0 if view.known else MAD_TO_SD * float(np.median(np.abs(good - np.median(good))))
     half = 0.5 * float(np.log(max(slow / rest.scatter, 1.0)))  # of the way from scatter to slow changes
     jitter = rest.scatter * np.exp(half) / float(np.median(place)), float(np.hypot(own.scatter, half))
     there = _log_of_a_place(float(np.median(place)), float(np.median(expected[rows])), settings, own)

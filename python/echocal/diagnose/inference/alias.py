@@ -48,7 +48,7 @@ class Geometry:
         A coefficient takes up of such an error what generalized least squares makes of it:
         docs/method/checks.md, Eq. 17a.
         """
-        columns, factors = [one for one, _ in systematic], np.array([factor for _, factor in systematic])
+        columns, factors = _errors(systematic)
         free = [column for variant in fit.hypothesis.variants for column in variant.free]
         among = self.products[np.ix_(free, free)] + np.eye(len(free)) / WIDEST**2
         taken = np.linalg.solve(among, self.products[np.ix_(free, columns)] * factors)
@@ -56,7 +56,7 @@ class Geometry:
 
     def beyond_shared(self, signal: Matrix, systematic: Systematic) -> float:
         """Visibility of a signal where the noise has these errors, too: docs/method/checks.md, Eq. 46a."""
-        columns, factors = [one for one, _ in systematic], np.array([factor for _, factor in systematic])
+        columns, factors = _errors(systematic)
         along = factors * (self.products[columns] @ signal)
         among = factors[:, None] * self.products[np.ix_(columns, columns)] * factors
         shared = along @ np.linalg.solve(among + np.eye(len(columns)), along)
@@ -98,8 +98,7 @@ class Geometry:
         alike = (left < settings.separable) & (size <= settings.plausible_size)
         return list(dict.fromkeys(forms[at][0] for at in np.flatnonzero(alike)))
 
-    def correlation(self, one: Variant, other: Variant) -> float:
-        """Cosine between the columns of two causes, after whitening and removing levels."""
-        a, b = self.signal(one), self.signal(other)
-        lengths = self.visibility(a) * self.visibility(b)
-        return float(a @ self.products @ b / lengths) if lengths > 0 else np.nan
+
+def _errors(systematic: Systematic) -> tuple[list[int], Matrix]:
+    """Columns of errors that all rows share, and their factors."""
+    return [column for column, _ in systematic], np.array([factor for _, factor in systematic])

@@ -120,10 +120,6 @@ class Stack:
         index = int(fit.noise.argmax())
         return self.noises[index], self.products[index]
 
-    def plain(self) -> "Stack":
-        """The first noise alone: independent rows."""
-        return self.only(np.arange(len(self.noises)) == 0)
-
 
 class HypothesisFit(NamedTuple):
     """A hypothesis after the data: docs/method.md, Eq. 16 and 17.

@@ -140,24 +140,22 @@ def noises(
     tuple of Noise
     """
     alike = [(m, r) for m, rhos in settings.autoregressions for r in rhos if r]
-    correlated = 1.0 - settings.white
+    correlated = 1.0 - settings.usual
     drifting, growing = ([c for c in convections if bool(c.rho) == moves] for moves in (True, False))
     half = correlated / 2 if drifting else correlated
-    white = settings.white / 2 if growing else settings.white
+    white = settings.usual / 2 if growing else settings.usual
     rows = [(0.0, 0.0, 0.0, False, white)]
     rows += [(m, r, 0.0, False, half / len(alike)) for m, r in alike]
     rows += [(0.0, *c, half / len(all_convections(settings))) for c in drifting]
     rows += [(0.0, *c, white / len(growing)) for c in growing]
     grid = settings.level_ratios if levels else settings.station_ratios
-    none = settings.no_station_error
+    none = settings.usual
     ratios = {s: none if s == 0.0 else (1.0 - none) / (len(grid) - 1) for s in grid}
     each = ratios.items() if stations else [(0.0, 1.0)]
     each = [*each]
-    air = [(0.0, settings.no_slow_air if slow_air else 1.0)]
+    air = [(0.0, settings.usual if slow_air else 1.0)]
     if slow_air:
-        air += [
-            (kelvin, (1.0 - settings.no_slow_air) / len(settings.slow_airs)) for kelvin in settings.slow_airs
-        ]
+        air += [(kelvin, (1.0 - settings.usual) / len(settings.slow_airs)) for kelvin in settings.slow_airs]
     return tuple(
         Noise(m, r, s, p * q * a, growth, whole, slow)
         for slow, a in air

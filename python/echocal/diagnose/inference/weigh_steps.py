@@ -22,6 +22,7 @@ from echocal.diagnose.preprocess.folds import Folds
 from echocal.diagnose.preprocess.segments import divided
 from echocal.diagnose.preprocess.table import Table
 from echocal.diagnose.settings import Settings
+from echocal.diagnose.settings.threshold import PROBABLE
 
 __all__ = ["StepPosterior", "weigh_steps"]
 
@@ -35,7 +36,7 @@ Set = tuple[int, ...]
 _STEP_OF_THE_SENSOR = "step_change"
 """Id of the effect that is the same as a step of an unknown level."""
 
-_SETS, _BEHIND = 8, 7.0  # most sets of causes that steps are weighed beside, and log odds behind the best
+_SETS = 8  # most sets of causes that steps are weighed beside
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,7 +77,7 @@ class StepPosterior:
     def kept(self, blocks: Mask) -> Table:
         """The table with the steps that are probable in the rows of some blocks."""
         settings, probability = self.case.settings.rows, self.probability(blocks)
-        rows = np.union1d(self.rows[probability >= settings.step_kept], self.certain)
+        rows = np.union1d(self.rows[probability >= PROBABLE], self.certain)
         told = dict(zip(self.rows.tolist(), probability.tolist(), strict=True))
         return replace(divided(self.table, rows, settings.gap), step_probability=told)
 
@@ -206,7 +207,7 @@ class _Tried:
         fits, _ = posterior(self.case.found, joined, self.case.settings)
         best: dict[tuple[str, ...], HypothesisFit] = {}
         for fit in fits:
-            if fit.log_posterior > fits[0].log_posterior - _BEHIND:
+            if fit.log_posterior > fits[0].log_posterior - self.case.settings.noises.negligible_odds:
                 best.setdefault(fit.hypothesis.ids, fit)
         found = [fit.hypothesis for fit in best.values()][:_SETS]
         nothing = Hypothesis((), core_prior(self.case.settings.priors).no_cause(bool(self.case.found.terms)))

@@ -34,6 +34,11 @@ Column = NDArray[np.float64]
 Labels = NDArray[np.int64]
 
 
+_TRIED = 2  # proposals for the integers whose evidence is computed, at a time
+_EACH = 64  # rows of a placement from which its level is computed
+_LONGEST = 20_000  # rows of a table that is divided into stretches: a longer one takes too much time
+
+
 @dataclass(frozen=True)
 class Thresholds:
     """Numbers that decide about this noise."""
@@ -49,14 +54,7 @@ class Thresholds:
         0.1, "1", "part of the placements without an offset: if all have one, that is a delay; judgement"
     )
     sets: int = threshold(3, "1", "most probable sets of effects beside which integers are tried; judgement")
-    tried: int = threshold(
-        2, "1", "proposals for the integers whose evidence is computed, at a time; judgement"
-    )
     window: int = threshold(9, "1", "rows of the running median that divides a placement; judgement")
-    each: int = threshold(64, "1", "rows of a placement from which its level is computed; judgement")
-    longest: int = threshold(
-        20_000, "1", "rows of a table that is divided into stretches; a longer one takes too much time"
-    )
     whole_steps: int = threshold(
         4, "1", "steps of an unknown level from which on they may be whole periods; judgement"
     )
@@ -158,14 +156,14 @@ def _proposals(
         if len(fits) < own.sets or not fit.hypothesis.variants:
             fits.setdefault(fit.hypothesis.ids, fit)
     lefts = []
-    if len(residual) <= own.longest:  # a longer table is not divided into stretches
+    if len(residual) <= _LONGEST:  # a longer table is not divided into stretches
         left = case.left(beside.fits[0], np.arange(len(residual)))
         lefts = [residual - case.residual + left, residual]
     for labels, places, levels in labelings(case.table, lefts, step, own.window):
         count = int(labels.max()) + 1
         if count < own.fewest or len(case.table.rows) < own.rows * count:
             continue
-        found = _beside(residual, case, fits.values(), labels, step, own)[: own.tried]
+        found = _beside(residual, case, fits.values(), labels, step, own)[:_TRIED]
         if levels is not None:
             found = found[:1] or [np.clip(levels, ORDERS[0], ORDERS[-1])]
         for orders in found:
@@ -182,7 +180,7 @@ def _beside(
     own: Thresholds,
 ) -> list[Labels]:
     """Integers of placements that are likelier than none beside one of some hypotheses, likeliest first."""
-    rows = some_of_each(labels, own.each)
+    rows = some_of_each(labels, _EACH)
     proposals: dict[bytes, tuple[float, Labels]] = {}
     for fit in fits:
         placements, mean = _placements(residual, case, fit, labels, step, rows)

@@ -1,6 +1,6 @@
 """The registry of noises: one line each."""
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection
 from importlib import import_module
 
 from echocal.diagnose.noises.common.kinds import (
@@ -10,12 +10,9 @@ from echocal.diagnose.noises.common.kinds import (
     OffsetNoise,
     Quantization,
 )
-from echocal.diagnose.settings.causes import Threshold, listed_thresholds
-from echocal.diagnose.settings.noises import NoiseSettings
 
 __all__ = [
     "NOISES",
-    "every_threshold",
     "fitted",
     "listed_only",
     "not_imitated",
@@ -79,13 +76,3 @@ def offsets() -> tuple[OffsetNoise, ...]:
 def listed_only() -> frozenset[str]:
     """Ids of noises that no verdict counts: they are no error of the readings."""
     return frozenset(noise.facts.id for noise in nuisances() if not noise.is_answer)
-
-
-def every_threshold(settings: NoiseSettings) -> Iterator[Threshold]:
-    """List every number that decides about noises: shared ones, priors, and those of each noise."""
-    yield from listed_thresholds(settings)
-    for noise in NOISES:
-        facts = noise.facts
-        yield Threshold(f"{facts.id}.prior", settings.prior(facts), "1", facts.prior_source)
-        own = settings.of(facts, type(noise.thresholds))
-        yield from listed_thresholds(own, facts.id)

@@ -10,6 +10,7 @@ from echocal.diagnose.inference.examine import examine
 from echocal.diagnose.inference.hypothesis import HypothesisFit
 from echocal.diagnose.inference.posterior import Inference, infer
 from echocal.diagnose.noises.common.kinds import OffsetNoise, Offsets
+from echocal.diagnose.settings.threshold import PROBABLE
 
 __all__ = ["NOISE"]
 
@@ -45,7 +46,7 @@ def find(case: Case, inference: Inference) -> Offsets | None:
     share = np.exp(log - log.max()) / np.exp(log - log.max()).sum()
     moves = np.array([_DRIFT in one.hypothesis.causes for one in inference.fits])
     probability = float(share @ moves)
-    if probability < case.settings.noises.subtracted:
+    if probability < PROBABLE:
         return None
     best = inference.fits[int(np.where(moves, log, -np.inf).argmax())]
     level = _movement(case, best)

@@ -44,6 +44,9 @@ _LOOK = 1000  # rows that show whether a column has few levels
 _SHOWN = 6  # levels that a sentence lists
 
 
+_TRIED = 2  # columns whose evidence is computed, likeliest first
+
+
 @dataclass(frozen=True)
 class Thresholds:
     """Numbers that decide about this noise."""
@@ -52,7 +55,6 @@ class Thresholds:
     screened: float = threshold(
         2.0, "1", "log likelihood ratio of white residuals from which on a column is tried; argument"
     )
-    tried: int = threshold(2, "1", "columns whose evidence is computed, likeliest first; computing time")
 
 
 FACTS = CauseFacts(
@@ -87,7 +89,7 @@ def find(case: Case, inference: Inference) -> Offsets | None:
     scores = {name: _screened(case, inference, levels) for name, levels in columns.items()}
     likely = sorted((n for n, score in scores.items() if score > own.screened), key=lambda n: -scores[n])
     best: tuple[float, str, Case, Inference] | None = None
-    for name in likely[: own.tried]:
+    for name in likely[:_TRIED]:
         other = _grouped(case, name, columns[name])
         beside = infer(other)
         log = _log_with_errors(other, beside) - _log_rival(case, inference, columns[name])
@@ -161,7 +163,7 @@ def _grouped(case: Case, name: str, levels: Labels) -> Case:
 def _log_with_errors(case: Case, inference: Inference) -> float:
     """Log evidence of all hypotheses under the noises with an error of each level."""
     some = np.array([noise.station_ratio > 0 for noise in inference.reduced.noises])
-    return log_evidence(inference, some) - float(np.log1p(-case.settings.noise_models.no_station_error))
+    return log_evidence(inference, some) - float(np.log1p(-case.settings.noise_models.usual))
 
 
 def _log_rival(case: Case, inference: Inference, levels: Labels) -> float:
@@ -169,7 +171,7 @@ def _log_rival(case: Case, inference: Inference, levels: Labels) -> float:
     noises, stations = inference.reduced.noises, case.table.groups
     if _pairs(levels, stations) == len(np.unique(stations)) == int(levels.max()) + 1:
         none = np.array([noise.station_ratio == 0 for noise in noises])
-        return log_evidence(inference, none) - float(np.log(case.settings.noise_models.no_station_error))
+        return log_evidence(inference, none) - float(np.log(case.settings.noise_models.usual))
     return log_evidence(inference, np.ones(len(noises), dtype=bool))
 
 

@@ -70,9 +70,9 @@ def choose(pool: Pool, sets: Sequence[SharedSet], without: int | None = None) ->
 
 def _threshold(pool: Pool) -> float:
     """Probability of no shared cause below which one is claimed: the strictest of the tables."""
-    claims = pool.settings.claims
-    few = sum(len(table.table) for table in pool.tables) < claims.few_rows
-    return min([*(table.threshold for table in pool.tables), *([claims.claim_below_of_few] if few else [])])
+    few = sum(len(table.table) for table in pool.tables) < pool.settings.claims.few_rows
+    prior = [pool.settings.priors.no_cause] if few else []
+    return min([*(table.threshold for table in pool.tables), *prior])
 
 
 def rivals(pool: Pool, shared: SharedSet, cause: str) -> tuple[str, ...]:

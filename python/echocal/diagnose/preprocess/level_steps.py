@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from echocal.diagnose.preprocess.outliers import robust
-from echocal.diagnose.preprocess.series import gaps
+from echocal.diagnose.preprocess.segments import gaps
 from echocal.diagnose.settings.rows import RowSettings
 
 __all__ = ["level_steps"]

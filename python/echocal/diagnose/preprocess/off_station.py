@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from echocal.diagnose.preprocess.usable import Usable
 from echocal.diagnose.preprocess.wild import wild_beyond
 from echocal.diagnose.settings.rows import RowSettings
-from echocal.observations.quantiles import Grouped, median
+from echocal.observations.quantiles import MAD_TO_SD, Grouped, median
 
 __all__ = ["OFF_STATION", "without_other_echoes"]
 
@@ -16,8 +16,6 @@ Labels = NDArray[np.int64]
 
 OFF_STATION = "far from the usual reading at its station: another echo"
 """Why a row is left out."""
-
-_MAD_TO_SD = 1.4826  # of a normal distribution
 
 
 def far_from_station(
@@ -49,11 +47,11 @@ def far_from_station(
     """
     none = np.zeros(len(indication), dtype=bool)
     members = np.bincount(labels)
-    if np.median(members[members > 0]) < settings.station_tells:
+    if np.median(members[members > 0]) < settings.fewest:
         return none
     by_station = Grouped(labels)
     centers, usual, farthest = by_station.scatter(indication)
-    scatter = _MAD_TO_SD * float(np.nanmedian(usual))
+    scatter = MAD_TO_SD * float(np.nanmedian(usual))
     if farthest <= settings.far_least + step:
         return none
     off = np.abs(indication - centers[labels])
@@ -63,9 +61,9 @@ def far_from_station(
     if temperature is not None:
         warming = temperature - by_station.median(temperature)[labels]
         limit += settings.per_kelvin * np.abs(warming * indication)
-    far = (off > limit) & (members[labels] >= settings.station_tells)
+    far = (off > limit) & (members[labels] >= settings.fewest)
     first = int(far.argmax())
-    is_step = len(far) - first >= settings.station_tells and far[first:].mean() > settings.as_a_whole
+    is_step = len(far) - first >= settings.fewest and far[first:].mean() > settings.as_a_whole
     return none if far.any() and is_step else np.asarray(far)
 
 

@@ -10,7 +10,7 @@ from echocal.diagnose.preprocess.usable import Usable, some
 from echocal.diagnose.preprocess.wild import wild_beyond
 from echocal.diagnose.settings.rows import RowSettings
 from echocal.observations import Observations
-from echocal.observations.quantiles import median
+from echocal.observations.quantiles import MAD_TO_SD, median
 
 __all__ = ["FAR", "far_rows", "robust", "without_far_rows"]
 
@@ -21,14 +21,12 @@ Labels = NDArray[np.int64]
 FAR = "far from its neighbors or from the base simulation"
 """Why a row is left out."""
 
-_MAD_TO_SD = 1.4826  # of a normal distribution
-
 
 def robust(values: Column) -> tuple[float, float]:
     """Median and robust standard deviation."""
     known = values if np.isfinite(values).all() else values[~np.isnan(values)]
     center = median(known)
-    return center, _MAD_TO_SD * median(np.abs(known - center))
+    return center, MAD_TO_SD * median(np.abs(known - center))
 
 
 def far_rows(

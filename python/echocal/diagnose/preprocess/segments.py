@@ -1,16 +1,18 @@
-"""Segments of an unknown level: the rows between two steps."""
+"""Segments of an unknown level, between two steps; and series, whose noise may be autocorrelated."""
 
 from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.diagnose.preprocess.series import series_starts
 from echocal.diagnose.preprocess.table import Table
+from echocal.observations.quantiles import median
 
-__all__ = ["divided"]
+__all__ = ["divided", "gaps"]
 
+Column = NDArray[np.float64]
 Labels = NDArray[np.int64]
+Mask = NDArray[np.bool_]
 
 
 def divided(table: Table, steps: Labels, gap: float) -> Table:
@@ -36,6 +38,25 @@ def divided(table: Table, steps: Labels, gap: float) -> Table:
     return replace(
         table,
         groups=groups.astype(np.int64),
-        starts=series_starts(elapsed, breaks, gap),
+        starts=_series_starts(elapsed, breaks, gap),
         steps=np.sort(steps),
     )
+
+
+def _series_starts(elapsed: Column | None, breaks: Mask, gap: float) -> Mask:
+    """Find the first rows of series: those after a gap in time or a break."""
+    starts = breaks.copy()
+    starts[:1] = True
+    return starts if elapsed is None else starts | gaps(elapsed, gap)
+
+
+def gaps(elapsed: Column, longest: float) -> Mask:
+    """Rows before which the time has a gap of so many usual intervals, or decreases."""
+    late = np.zeros(len(elapsed), dtype=bool)
+    if len(elapsed) < 2:
+        return late
+    wait = np.diff(elapsed)
+    usual = median(wait) if np.isfinite(wait).all() else float(np.nanmedian(wait))
+    if usual > 0:
+        late[1:] = ~((wait >= 0) & (wait <= longest * usual))
+    return late

@@ -52,5 +52,5 @@ def far_as_a_whole(far: Mask, labels: Labels, settings: RowSettings) -> Mask:
     """
     members = np.bincount(labels)
     far_ones = np.bincount(labels, far)
-    most = (far_ones > settings.as_a_whole * members) & (members >= settings.station_tells)
+    most = (far_ones > settings.as_a_whole * members) & (members >= settings.fewest)
     return np.asarray(most[labels])

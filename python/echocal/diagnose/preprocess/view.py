@@ -11,7 +11,7 @@ from echocal.diagnose.preprocess.quantization_grid import QuantizationGrid, find
 from echocal.diagnose.preprocess.tape import printed_grid, step_of_the_tape
 from echocal.diagnose.settings.noises import NoiseSettings
 from echocal.observations import Observations
-from echocal.observations.quantiles import median
+from echocal.observations.quantiles import MAD_TO_SD, median
 
 __all__ = ["View", "least_absolute"]
 
@@ -19,7 +19,6 @@ Column = NDArray[np.float64]
 Labels = NDArray[np.int64]
 Mask = NDArray[np.bool_]
 
-_MAD_TO_SD = 1.4826  # of a normal distribution
 _ENOUGH = 20_000  # rows that are enough for a robust fit
 _MANY = 100_000  # rows that are enough for a robust center
 _CACHED = 32_768  # rows whose columns fit into the cache of a processor
@@ -140,7 +139,7 @@ class View:
         judged = self.good & np.isfinite(self.deviation)
         inside = self.deviation if judged.all() else self.deviation[judged]
         least = max(_LEAST, _PER_STEP * self.resolution)
-        return max(_MAD_TO_SD * median(np.abs(inside)), least) if len(inside) else least
+        return max(MAD_TO_SD * median(np.abs(inside)), least) if len(inside) else least
 
     @property
     def _values(self) -> Column:

@@ -168,7 +168,7 @@ def _uncertainties(claim: Claim, model: Model | None) -> dict[str, float]:
 
 def _slow_noise(case: Case, ranking: Ranking, selection: Selection) -> list[str]:
     """Say that few rows show no more than slow noise, where an effect would be claimed otherwise."""
-    slow, none, limit = selection.slow, ranking.of_set(()), case.settings.claims.claim_below_of_few
+    slow, none, limit = selection.slow, ranking.of_set(()), case.settings.priors.no_cause
     if slow is None or none >= limit or slow.no_effect < limit:
         return []
     return [

@@ -9,6 +9,7 @@ from echocal.diagnose.selection.claims import Claim, Ranking, claims
 from echocal.diagnose.selection.parsimony import Ids
 from echocal.diagnose.selection.slow_noise import LeastFavorable
 from echocal.diagnose.selection.unexplained_term import term_is_told
+from echocal.diagnose.settings.threshold import PROBABLE
 
 __all__ = ["claim_or_not", "is_claimed", "threshold_of"]
 
@@ -31,7 +32,7 @@ def claim_or_not(
     best = ranking.best()
     if best is None:
         raise RuntimeError("no hypothesis was fitted")
-    if slow is not None and slow.no_effect >= ranking.settings.claims.claim_below_of_few:
+    if slow is not None and slow.no_effect >= ranking.settings.priors.no_cause:
         return ranking.without_effects(term=term_is_told(ranking, slow)) or best, []
     threshold = threshold_of(len(case.table), ranking, shares)
     while (grown := ranking.best(beyond=best.hypothesis.effects)) is not None:
@@ -72,12 +73,12 @@ def is_claimed(ids: Ids, alone: float, beside: float, threshold: float) -> bool:
 
 def threshold_of(rows: int, ranking: Ranking, shares: NoisePosterior) -> float:
     """Probability of "no effect" below which an effect is claimed: t of docs/method.md, Eq. 25."""
-    settings = ranking.settings.claims
+    settings, prior = ranking.settings.claims, ranking.settings.priors.no_cause
     found = [{id_: p * q for id_, q in shares.nuisance_of(ids).items()} for ids, p in ranking.sets]
     present = (sum(one.get(noise.facts.id, 0.0) for one in found) for noise in registry.nuisances())
-    if max(present, default=0.0) > settings.noisy_from:
+    if max(present, default=0.0) > PROBABLE:
         return settings.claim_below_amid_noise
-    return settings.claim_below_of_few if rows < settings.few_rows else settings.claim_below
+    return prior if rows < settings.few_rows else settings.claim_below
 
 
 def _of(fit: HypothesisFit, case: Case, ranking: Ranking, reduced: Stack, beyond: Ids = ()) -> list[Claim]:

@@ -11,6 +11,7 @@ from echocal.diagnose.noises.common.findings import noise_findings
 from echocal.diagnose.noises.common.posterior import NoisePosterior
 from echocal.diagnose.selection.claims import LISTED, Ranking, posterior_sets
 from echocal.diagnose.settings import Settings
+from echocal.diagnose.settings.threshold import PROBABLE
 
 __all__ = ["Joint", "join"]
 
@@ -60,8 +61,7 @@ def join(
     docs/method.md, Eq. 30. Faults are found from other features of the table than effects are (repeated
     values, outliers, quantization grids), so the probabilities multiply.
     """
-    claims, never = ranking.settings.claims, ranking.settings.noises.split
-    least = LISTED
+    never, least = ranking.settings.noises.split, LISTED
     sets: Sets = {}
     for ids, p in posterior_sets(ranking).items():
         fitted = shares.fitted_of(ids)
@@ -78,8 +78,8 @@ def join(
         sets = _crossed(sets, finding.cause, finding.probability, least)
     total = sum(sets.values())
     ordered = sorted(((ids, p / total) for ids, p in sets.items()), key=lambda item: -item[1])
-    seen = [f for f in found if f.probability >= claims.reported_from]
-    noises = noise_findings(dict(ordered), shares, reduced, claims.reported_from, {f.cause for f in found})
+    seen = [f for f in found if f.probability >= PROBABLE]
+    noises = noise_findings(dict(ordered), shares, reduced, PROBABLE, {f.cause for f in found})
     return Joint(dict(ordered), (*seen, *noises), ranking.settings)
 
 

@@ -60,7 +60,7 @@ def least_favorable(case: Case, ranking: Ranking, reduced: Stack) -> LeastFavora
     log = np.array([fit.log_posterior for fit in ranking.fits])
     share = np.exp(log - log.max())[:, None] * (np.array([fit.noise for fit in ranking.fits]) @ weights)
     total = share.sum(axis=0)
-    usual = total >= total.max() * np.exp(-case.settings.claims.possible_autoregression)
+    usual = total >= total.max() * np.exp(-case.settings.claims.strong)
     share = share[:, usual] / total[usual]
 
     def of(kind: Callable[[Hypothesis], bool]) -> Matrix:
@@ -76,7 +76,7 @@ def least_favorable(case: Case, ranking: Ranking, reduced: Stack) -> LeastFavora
 
 def _weights(case: Case, noises: tuple[Noise, ...]) -> tuple[Matrix, list[float]]:
     """New prior over old prior of each noise (rows) if one autoregression has all (columns)."""
-    whole = 1.0 - case.settings.noise_models.white
+    whole = 1.0 - case.settings.noise_models.usual
     plain = [n for n in case.usual_noises if n.moving_average == 0.0]
     usual = {(n.rho, n.station_ratio, n.slow_air): n.prior for n in plain}
     rhos = sorted({n.rho for n in noises if n.rho > 0.0 and n.moving_average == 0.0 and not n.growth})

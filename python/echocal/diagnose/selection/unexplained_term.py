@@ -12,6 +12,7 @@ from echocal.diagnose.inference.case import Case
 from echocal.diagnose.inference.hypothesis import Hypothesis, Stack, fit_hypothesis
 from echocal.diagnose.selection.claims import Claim, Ranking, without
 from echocal.diagnose.selection.slow_noise import LeastFavorable
+from echocal.diagnose.settings.threshold import PROBABLE
 
 __all__ = ["beside_a_term", "imitated", "term_is_told", "unexplained"]
 
@@ -45,7 +46,7 @@ def unexplained(case: Case, ranking: Ranking, slow: LeastFavorable | None = None
 def term_is_told(ranking: Ranking, slow: LeastFavorable | None) -> bool:
     """Whether unexplained terms are probable enough to be reported."""
     settings = ranking.settings.claims
-    probable = sum(ranking.unexplained_terms().values()) >= settings.unexplained_from
+    probable = sum(ranking.unexplained_terms().values()) >= PROBABLE
     return probable and (slow is None or slow.nothing < settings.claim_below_amid_noise)
 
 

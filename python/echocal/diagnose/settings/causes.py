@@ -1,13 +1,13 @@
 """Numbers that decide, each with its value, unit and source; and those of single causes."""
 
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, fields, is_dataclass, replace
 from typing import Any, NamedTuple, TypeVar
 
 from echocal.diagnose.findings.facts import CauseFacts
 from echocal.errors import UsageError
 
-__all__ = ["CauseSettings", "NoThresholds", "Threshold", "listed_thresholds"]
+__all__ = ["CauseSettings", "NoThresholds", "Threshold", "every_threshold", "listed_thresholds"]
 
 T = TypeVar("T")
 
@@ -87,3 +87,12 @@ class CauseSettings:
             if id_ not in ids:
                 message = f"settings: there is no {noun} '{id_}'; known: {', '.join(sorted(ids))}"
                 raise UsageError(message)
+
+
+def every_threshold(settings: CauseSettings, causes: Iterable[Any]) -> Iterator[Threshold]:
+    """List every number that decides about causes of a registry: shared ones, priors, and those of each."""
+    yield from listed_thresholds(settings)
+    for cause in causes:
+        facts = cause.facts
+        yield Threshold(f"{facts.id}.prior", settings.prior(facts), "1", facts.prior_source)
+        yield from listed_thresholds(settings.of(facts, type(cause.thresholds)), facts.id)

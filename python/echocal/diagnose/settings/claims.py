@@ -16,20 +16,9 @@ class ClaimSettings:
         "P(no effect)",
         "below it an effect is claimed, even if each single effect is improbable; tested only if the best "
         "set of effects is empty; chosen by hand on development tables; no script repeats it. "
-        "docs/diagnosis-benchmark.md has the false alarms; the target is 0.02",
-    )
-    claim_below_of_few: float = threshold(
-        0.44,
-        "P(no effect)",
-        "the same, if there are too few rows to detect autocorrelated noise; then also under each single "
-        "autoregression of the noise; the prior of no cause: the data must support an effect. 539 nulls of "
-        "design a were run, see docs/method/evidence.md",
-    )
-    possible_autoregression: float = threshold(
-        3.0,
-        "log odds",
-        "an autoregression under which few rows are less probable by more, whatever acts, does not count; "
-        "argument: odds of 20, which count as strong evidence (doi:10.1080/01621459.1995.10476572)",
+        "docs/diagnosis-benchmark.md has the false alarms; the target is 0.02. Of few rows, the prior "
+        "of no cause (`priors.no_cause`) takes its place, then also under each single autoregression of the "
+        "noise: the data must support an effect. 539 nulls of design a were run, see docs/method/evidence.md",
     )
     few_rows: int = threshold(
         100, "rows", "fewer rows are too few to detect autocorrelated noise; chosen by hand"
@@ -41,9 +30,6 @@ class ClaimSettings:
         "750 fresh nulls when claim_below was 0.44: half the false alarms at the same power; not repeated "
         "since",
     )
-    noisy_from: float = threshold(
-        0.5, "probability", "from it on, such noise counts as present; more probable than not"
-    )
     named: float = threshold(
         0.9, "probability", "from it on, a class of causes is named; promise of the interface"
     )
@@ -51,7 +37,7 @@ class ClaimSettings:
     separable: float = threshold(
         3.0,
         "expected log odds",
-        "below it two causes are in one class; argument: odds of 20, as for `confirmed`. On 110 tables of "
+        "below it two causes are in one class; argument: odds of 20, as for `strong`. On 110 tables of "
         "the virtual bench, 1.0 names 3 single causes and a pair less, 3 confident wrong names more",
     )
     plausible_size: float = threshold(
@@ -72,15 +58,13 @@ class ClaimSettings:
         "from it on, another possible cause is listed, and sets of effects beside larger ones are tried; "
         "chosen by hand",
     )
-    unexplained_from: float = threshold(
-        0.5, "probability", "from it on, an unexplained term is reported; more probable than not"
-    )
-    confirmed: float = threshold(
+    strong: float = threshold(
         3.0,
-        "log score",
+        "log odds",
         "a cause beside others is named if the rows that judge the model are more probable with it by this; "
-        "argument: odds of 20, which count as strong evidence (doi:10.1080/01621459.1995.10476572). In 28 "
-        "logs of examples/make_snow.py with held-out rows, it withholds 2 of 3 false names and no true one",
+        "an autoregression under which few rows are less probable by more does not count; argument: odds of "
+        "20, which count as strong evidence (doi:10.1080/01621459.1995.10476572). In 28 logs of "
+        "examples/make_snow.py with held-out rows, it withholds 2 of 3 false names and no true one",
     )
     beyond_shared: float = threshold(
         2.0,
@@ -95,7 +79,4 @@ class ClaimSettings:
         "a cause with a larger size is not named; the model keeps it; argument: 1 in 31 sizes is larger by "
         "Eq. 6; the prior of an effect outside the catalogue is 1 in 20. Without it, 3 of 12 tanks whose "
         "thermometer is in the box get the name of a gain that is wrong",
-    )
-    reported_from: float = threshold(
-        0.5, "probability", "from it on, a noise or a fault is reported; more probable than not"
     )

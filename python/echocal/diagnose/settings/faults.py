@@ -93,9 +93,6 @@ class SharedFactor:
 class FaultSettings(CauseSettings):
     """All numbers that decide about faults."""
 
-    accepted: float = threshold(
-        0.5, "1", "probability from which on a table is repaired: more likely than not"
-    )
     listed: float = threshold(1e-3, "1", "probability from which on the posterior includes a fault")
     cap: float = threshold(60.0, "1", "largest log Bayes factor; larger odds have no practical meaning")
     far: FarRows = field(default_factory=FarRows)

@@ -72,16 +72,15 @@ class NoiseModelSettings:
         "changes; WMO-No. 8, annex 1.A: 0.1 K are achievable at the thermometer; layers of air beside it; "
         "judgement",
     )
-    no_slow_air: float = threshold(
-        0.5, "probability", "prior of no such change; half for the usual assumption"
-    )
     slow_air_times: tuple[float, ...] = threshold(
         (600.0, 3600.0),
         "s",
         "its correlation times, each with an equal part of its variance; judgement: a heater or a cloud, a "
         "room or the sun",
     )
-    white: float = threshold(
-        0.5, "probability", "prior of noise without autocorrelation; half for the usual assumption"
+    usual: float = threshold(
+        0.5,
+        "probability",
+        "prior of what is usually assumed: noise without autocorrelation, stations without errors, air along "
+        "the path as at the thermometer; half for each of them",
     )
-    no_station_error: float = threshold(0.5, "probability", "prior of stations without errors; the same")

@@ -12,9 +12,6 @@ __all__ = ["NoiseSettings"]
 class NoiseSettings(CauseSettings):
     """All numbers that decide about noises."""
 
-    found: float = threshold(
-        0.5, "1", "probability from which on a quantization counts as present: more likely than not"
-    )
     step_by_chance: float = threshold(
         0.05,
         "1",
@@ -28,34 +25,16 @@ class NoiseSettings(CauseSettings):
         1.5e-4, "m", "standard deviation below which a quantization is negligible for users of such sensors"
     )
     sets: int = threshold(4, "1", "most probable sets of effects beside which noises are compared; judgement")
-    sets_alike: int = threshold(
-        40,
-        "1",
-        "most probable further sets, which have the noises of the set among these whose residual is nearest; "
-        "more than the members of a class that the data cannot separate",
-    )
-    same_evidence: float = threshold(
-        0.5,
-        "log evidence",
-        "noises that add as much beside two sets are the same; odds of 1.6 decide nothing",
-    )
     negligible_odds: float = threshold(
-        7.0, "log odds", "a set that is less probable by more, whatever the noise, has no share: 1 in 1,100"
-    )
-    segments: int = threshold(5, "1", "pieces of a long table that the likelihoods use; judgement")
-    segment_rows: int = threshold(1000, "1", "rows of such a piece; judgement")
-    considered: float = threshold(
-        1e-3, "1", "probability beside some set from which on the folds consider a noise, too; judgement"
+        7.0,
+        "log odds",
+        "a set that is less probable by more, whatever the noise, has no share, and a convection or a set "
+        "beside which steps of the level are weighed is pruned: 1 in 1,100",
     )
     worth: float = threshold(
         2.0,
         "1",
         "standard errors of a moment from which on a fit is tried; without such noise, 1 table in 40",
-    )
-    subtracted: float = threshold(
-        0.5,
-        "1",
-        "probability from which on what a noise adds to each row is subtracted: more likely than not",
     )
     scattered_part: float = threshold(
         0.15,
@@ -72,9 +51,6 @@ class NoiseSettings(CauseSettings):
     )
     autocorrelated: float = threshold(
         0.1, "1", "probability of autocorrelation from which on convection is tried; judgement"
-    )
-    convection_behind: float = threshold(
-        7.0, "1", "a convection that is less likely than the best noise by more is pruned: odds of 1 in 1,100"
     )
     matters: float = threshold(
         0.05, "1", "part of the noise's variance from which on a noise counts for the verdict; judgement"

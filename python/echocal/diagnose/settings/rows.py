@@ -11,7 +11,11 @@ __all__ = ["RowSettings"]
 class RowSettings:
     """Numbers of the preprocessing; see `echocal.diagnose.settings.table` for what each is."""
 
-    fewest: int = threshold(8, "rows", "fewest usable rows, fitted rows, and held-out rows; chosen by hand")
+    fewest: int = threshold(
+        8,
+        "rows",
+        "fewest usable rows, fitted rows, held-out rows, and rows of a station with a usual reading; by hand",
+    )
     wild: float = threshold(
         0.5,
         "probability",
@@ -42,7 +46,6 @@ class RowSettings:
         "a row farther from the median of its station is another echo, also under noise with heavy tails; "
         "chosen by hand",
     )
-    station_tells: int = threshold(8, "rows", "a station of fewer rows has no usual reading; chosen by hand")
     as_a_whole: float = threshold(
         0.5,
         "of the rows",
@@ -83,16 +86,10 @@ class RowSettings:
         "that the level has one step more, for each number of steps; the places of so many steps are "
         "equally probable; chosen by hand: the place, ln n, costs far more",
     )
-    step_kept: float = threshold(
-        0.5, "probability", "from it on, a step of an unknown level is kept; more probable than not"
-    )
     step_beyond_air: float = threshold(
         0.05,
         "of the reading",
         "a larger step is not weighed beside causes; argument: it is 30 K between two neighboring rows, at "
         "0.0018 per K",
-    )
-    most_level_steps: int = threshold(
-        6, "rounds", "most repetitions of the diagnosis, each with a further level step; chosen by hand"
     )
     folds: int = threshold(5, "folds", "parts of the rows in a cross-validation; convention")

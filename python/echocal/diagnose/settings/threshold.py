@@ -3,7 +3,10 @@
 from dataclasses import field
 from typing import Any
 
-__all__ = ["threshold"]
+__all__ = ["PROBABLE", "threshold"]
+
+PROBABLE = 0.5
+"""Probability from which on something counts as present: more probable than not."""
 
 
 def threshold(value: Any, unit: str, source: str) -> Any:

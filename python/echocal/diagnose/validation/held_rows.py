@@ -58,7 +58,7 @@ def held_rows(
     DataError
         If too few of them are usable.
     """
-    faults = find_faults(observations, base, distance, constant, settings.faults, settings.noises, columns)
+    faults = find_faults(observations, base, distance, constant, settings, columns)
     _, later = split(faults.observations, after, settings.rows.fewest)
     assert later is not None
     try:

@@ -18,9 +18,8 @@ from echocal.diagnose.preprocess.folds import Folds
 from echocal.diagnose.preprocess.table import Table, levels
 from echocal.diagnose.validation.chosen import chosen
 from echocal.diagnose.validation.gain import HeldOut, fixed_speed_rms, measure, on_common_rows
-from echocal.diagnose.validation.rest import Rest
 from echocal.diagnose.validation.score import Score, score
-from echocal.diagnose.validation.trials import Trials
+from echocal.diagnose.validation.trials import Rest, Trials
 from echocal.model import Model
 
 __all__ = ["HeldOutRows", "Judge", "Nested", "judge_of"]

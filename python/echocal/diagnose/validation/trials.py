@@ -15,9 +15,27 @@ from echocal.diagnose.validation.gain import HeldOut, measure
 from echocal.diagnose.validation.score import Score, score
 from echocal.model import Model
 
-__all__ = ["Trials", "fit_with"]
+__all__ = ["Rest", "Trials", "fit_with"]
 
 Mask = NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class Rest:
+    """The claims that are kept so far.
+
+    Attributes
+    ----------
+    hypothesis : Hypothesis
+        What they are fitted in.
+    kept : tuple of Claim
+    after : HeldOut
+        Errors of the model that has them.
+    """
+
+    hypothesis: Hypothesis
+    kept: tuple[Claim, ...]
+    after: HeldOut
 
 
 @dataclass

@@ -7,8 +7,7 @@ from echocal.diagnose.inference.noise import Noise
 from echocal.diagnose.selection.claims import without
 from echocal.diagnose.validation.gain import on_common_rows
 from echocal.diagnose.validation.judges import Judge
-from echocal.diagnose.validation.rest import Rest
-from echocal.diagnose.validation.trials import Trials
+from echocal.diagnose.validation.trials import Rest, Trials
 from echocal.diagnose.validation.validate import Validation
 
 __all__ = ["unconfirmed"]
@@ -49,7 +48,7 @@ def unconfirmed(case: Case, validation: Validation, judge: Judge, noise: Noise) 
         alone = judge.sized(trials, fewer)
         score = judge.compared(trials, after, alone)
         one, other = on_common_rows(after, alone)
-        if score.total < case.settings.claims.confirmed or one.rms >= other.rms:
+        if score.total < case.settings.claims.strong or one.rms >= other.rms:
             said[claim.cause] = (
                 f"the {rows} do not show {claim.cause} beside the other causes: with it, their log density "
                 f"changes by {score.total:+.1f}, and the error is {1e3 * after.rms:.2f} mm, without it "

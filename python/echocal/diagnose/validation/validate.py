@@ -20,11 +20,9 @@ from echocal.diagnose.selection.select import Selection
 from echocal.diagnose.validation.gain import HeldOut, errors, floor, on_common_rows, summarize
 from echocal.diagnose.validation.judges import Judge
 from echocal.diagnose.validation.residual_uncertainty import residual_uncertainty
-from echocal.diagnose.validation.rest import Rest
 from echocal.diagnose.validation.score import Score
 from echocal.diagnose.validation.shifted import shifted
-from echocal.diagnose.validation.trials import Trials, fit_with
-from echocal.diagnose.validation.withheld import unearned
+from echocal.diagnose.validation.trials import Rest, Trials, fit_with
 from echocal.model import Model
 
 __all__ = ["Validation", "validate"]
@@ -110,7 +108,7 @@ def validate(case: Case, selection: Selection, judge: Judge, stack: Stack) -> Va
         if _larger(rest.after, before) and not low > 0.0:
             refuted = _refuted(rest, before, gain.log_score)
         else:
-            withheld, doubts = rest.kept, {claim.cause: unearned(gain) for claim in rest.kept}
+            withheld, doubts = rest.kept, {claim.cause: _unearned(gain) for claim in rest.kept}
         rest = _base_alone(rest, before)
         gain = _gain(trials, judge, rest, before, selection)
     fit = _fit(trials, rest, selection)
@@ -135,6 +133,29 @@ def _refuted(rest: Rest, before: HeldOut, log_score: float | None) -> tuple[Refu
     ids = tuple(claim.cause for claim in rest.kept)
     return tuple(
         Refuted(c.cause, c.probability, after.rms, base.rms, c.rivals, ids, log_score) for c in rest.kept
+    )
+
+
+def _unearned(gain: Gain) -> str:
+    """Why no cause is in the model: its gain may be chance."""
+    low, high = (1e3 * end for end in gain.interval_95)
+    if low == high == 0.0:
+        return (
+            f"without the rows that judge it, no cause is chosen, so {gain.judged_rows} show no gain over "
+            "the base. The model leaves it out, and it is not named"
+        )
+    rows = f"on {gain.judged_rows}, which its choice has not seen, a model with it"
+    if gain.rms_after_m >= gain.rms_before_m:
+        return (
+            f"{rows} has an error of {1e3 * gain.rms_after_m:.2f} mm, the base {1e3 * gain.rms_before_m:.2f} "
+            "mm. Under the noise these rows are more probable with it, so it is not refuted. But the error "
+            "is not smaller, so the model leaves it out, and it is not named"
+        )
+    first, last = gain.log_score_interval_95 or (gain.log_score or 0.0,) * 2
+    return (
+        f"{rows} gains {low:.2f} to {high:.2f} mm over the base, and the log density of these rows under "
+        f"the noise changes by {first:.1f} to {last:.1f} (95 % intervals). Not both intervals are above 0, "
+        "so the model leaves it out, and it is not named"
     )
 
 

@@ -1,7 +1,7 @@
 """The search for every fault in turn."""
 
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 from echocal.diagnose.faults import registry
@@ -10,14 +10,12 @@ from echocal.diagnose.findings.finding import Finding
 from echocal.diagnose.noises.common.quantization import find_steps
 from echocal.diagnose.preprocess.base import Base
 from echocal.diagnose.preprocess.view import View
-from echocal.diagnose.settings.faults import FaultSettings
-from echocal.diagnose.settings.noises import NoiseSettings
+from echocal.diagnose.settings import Settings
+from echocal.diagnose.settings.threshold import PROBABLE
 from echocal.observations import Observations
 from echocal.observations.marks import MARKS, RowRule
 
 __all__ = ["Faults", "find_faults", "gross_faults", "row_faults"]
-
-_FEWEST = 8  # usable rows that a diagnosis needs, as `rows.fewest`
 
 
 @dataclass(frozen=True)
@@ -30,17 +28,15 @@ class Faults:
         The table as the rest of the diagnosis takes it.
     found : tuple of Finding
         Also those that are not accepted, as long as they are possible.
-    settings : FaultSettings
     """
 
     observations: Observations
     found: tuple[Finding, ...]
-    settings: FaultSettings = field(default_factory=FaultSettings)
 
     @property
     def accepted(self) -> tuple[Finding, ...]:
         """Faults that the table was repaired of."""
-        return tuple(f for f in self.found if f.probability >= self.settings.accepted)
+        return tuple(f for f in self.found if f.probability >= PROBABLE)
 
     @property
     def quantizations(self) -> list[str]:
@@ -105,8 +101,7 @@ def find_faults(
     base: Base,
     given: float | None,
     constant: bool,
-    settings: FaultSettings,
-    noise_settings: NoiseSettings,
+    settings: Settings,
     columns: Collection[str] | None = None,
 ) -> Faults:
     """Look for every fault in turn, each in the table that the ones before left.
@@ -119,9 +114,7 @@ def find_faults(
         Reference distance of every row [m], where the user said it.
     constant : bool
         Whether the distance is only known to be constant.
-    settings : FaultSettings
-    noise_settings : NoiseSettings
-        Of the search for quantization.
+    settings : Settings
     columns : collection of str, optional
         Faults of whole columns that are looked for. Default: all.
 
@@ -130,29 +123,30 @@ def find_faults(
     Faults
         Whatever was repaired or left out is in a finding, with its rows.
     """
-    settings.refuse_others([fault.facts.id for fault in registry.FAULTS], "fault")
+    own, fewest = settings.faults, settings.rows.fewest
+    own.refuse_others([fault.facts.id for fault in registry.FAULTS], "fault")
     known = not constant and (given is not None or observations.reference_distance is not None)
-    view = View(observations, base, given, known, noise_settings.step_by_chance)
+    view = View(observations, base, given, known, settings.noises.step_by_chance)
     found = []
     for fault in registry.FAULTS:
         if fault.facts.kind == "row" and not view.good.any():
             continue
         if fault.facts.kind == "gross" and columns is not None and fault.facts.id not in columns:
             continue
-        finding = fault.search(view, settings)
-        if finding is None or not finding.probability >= settings.listed:  # nor one that is not a number
+        finding = fault.search(view, own)
+        if finding is None or not finding.probability >= own.listed:  # nor one that is not a number
             continue
-        if finding.probability >= settings.accepted and finding.repaired is not None:
+        if finding.probability >= PROBABLE and finding.repaired is not None:
             after = view.after(finding.repaired)
-            if fault.facts.kind == "row" and after.good.sum() < _FEWEST <= view.good.sum():
+            if fault.facts.kind == "row" and after.good.sum() < fewest <= view.good.sum():
                 continue  # what nearly all rows have is the scene, and no fault of rows
             view = after
         found.append(finding)
     harmless: list[str] = []
     if view.good.any():
-        steps, harmless, view = find_steps(view, noise_settings)
+        steps, harmless, view = find_steps(view, settings.noises)
         found += steps
-    reported = [f for f in found if f.probability >= settings.accepted and f.facts.kind != "noise"]
+    reported = [f for f in found if f.probability >= PROBABLE and f.facts.kind != "noise"]
     notes = tuple(f"{f.cause}: {f.because}" for f in reported)
     notes = (*observations.notes, *notes, *harmless)
-    return Faults(replace(view.observations, notes=notes), tuple(found), settings)
+    return Faults(replace(view.observations, notes=notes), tuple(found))

@@ -5,6 +5,7 @@ from numpy.typing import NDArray
 
 from echocal.diagnose.preprocess.view import View
 from echocal.diagnose.settings.faults import FarRows
+from echocal.observations.quantiles import MAD_TO_SD
 
 __all__ = ["POWER_ON", "at_power_on", "chance_far", "expected_everywhere", "far", "limit_of", "millimeters"]
 __all__ += ["recorded"]
@@ -59,7 +60,7 @@ def chance_far(view: View, settings: FarRows) -> float:
 
     limit = limit_of(view.scatter, view.expected[view.good], settings)
     part = len(limit) / max(len(limit[::97]), 1)
-    scale = view.scatter / (1.4826 * 0.7649)  # median of |t| with 3 degrees is 0.7649
+    scale = view.scatter / (MAD_TO_SD * 0.7649)  # median of |t| with 3 degrees is 0.7649
     return float(2 * part * stdtr(3, -limit[::97] / scale).sum()) + 1e-3
 
 

@@ -37,7 +37,7 @@ def convections(case: Case, fits: Sequence[HypothesisFit], reduced: Stack) -> li
     simplest = min(fits, key=lambda one: len(one.hypothesis.variants))
     found: set[Convection] = set()
     for one in {id(one): one for one in (fits[0], simplest)}.values():
-        found |= _beside(case, one, reduced.likeliest(one)[0], settings.convection_behind)
+        found |= _beside(case, one, reduced.likeliest(one)[0], settings.negligible_odds)
     return [one for one in _every(case) if one in found]
 
 

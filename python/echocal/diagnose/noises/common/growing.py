@@ -12,6 +12,7 @@ from echocal.diagnose.inference.posterior import Inference, infer
 from echocal.diagnose.noises import registry
 from echocal.diagnose.noises.common.findings import noise_findings
 from echocal.diagnose.noises.common.posterior import NoisePosterior, Traced, sampled
+from echocal.diagnose.settings.threshold import PROBABLE
 
 __all__ = ["NOISE_GROWTH", "growth_of", "with_growing_noise"]
 
@@ -38,8 +39,7 @@ def with_growing_noise(
     tuple of Case and Inference, or None
         None if such noise is not more probable than not.
     """
-    settings = case.settings.noises
-    if not case.at_distances or shares.probability(NOISE_GROWTH) < settings.subtracted:
+    if not case.at_distances or shares.probability(NOISE_GROWTH) < PROBABLE:
         return None
     if _without_memory(case.noises).any():
         return case, inference
@@ -68,7 +68,7 @@ def growth_of(case: Case, inference: Inference) -> Finding | None:
     if noise is None or not own.any():
         return None
     probability = _probability(case, inference, settings.prior(noise.facts))
-    if probability < settings.subtracted:
+    if probability < PROBABLE:
         return None
     top, white = inference.fits[0], next(one for one in case.noises if not one.rho and not one.growth)
     fitted = noise.fit(Traced.of(case, sampled(case.row_folds, settings)).left_by(top, white), settings)

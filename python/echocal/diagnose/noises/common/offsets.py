@@ -4,6 +4,7 @@ from echocal.diagnose.findings.finding import Finding
 from echocal.diagnose.inference.case import Case
 from echocal.diagnose.inference.posterior import Inference
 from echocal.diagnose.noises import registry
+from echocal.diagnose.settings.threshold import PROBABLE
 
 __all__ = ["without_offsets"]
 
@@ -26,7 +27,7 @@ def without_offsets(case: Case, inference: Inference) -> tuple[Case, Inference, 
     findings = []
     for noise in registry.offsets():
         found = noise.find(case, inference)
-        if found is not None and found.finding.probability >= case.settings.noises.subtracted:
+        if found is not None and found.finding.probability >= PROBABLE:
             case, inference = found.case, found.inference
             findings.append(found.finding)
     return case, inference, findings

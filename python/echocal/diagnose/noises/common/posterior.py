@@ -23,6 +23,9 @@ __all__ = ["NoisePosterior", "Traced", "infer_noises", "sampled"]
 Ids = tuple[str, ...]
 
 _NOTHING = 1.0 + 1e-9  # of the smallest variance
+_SEGMENTS, _SEGMENT_ROWS = 5, 1000  # pieces of a long table that the likelihoods use, and their rows
+_SETS_ALIKE = 40  # further sets with noises of another set: more than a class has members
+_SAME_EVIDENCE = 0.5  # log evidence; odds of 1.6 decide nothing
 
 
 @dataclass
@@ -138,20 +141,20 @@ def _gains_alike(
     same one.
     """
     most, reach = max(gains.values()), settings.negligible_odds
-    if most - min(gains.values()) < settings.same_evidence:
+    if most - min(gains.values()) < _SAME_EVIDENCE:
         return {}
     first = max(best[ids].log_posterior for ids in gains)
     least = max(best[ids].log_posterior + gain for ids, gain in gains.items()) - most - reach
     wanted = [ids for ids in best if ids not in gains and best[ids].log_posterior > least]
     probable = [gain for ids, gain in gains.items() if best[ids].log_posterior > first - reach]
     if (
-        max(probable) - min(probable) < settings.same_evidence
+        max(probable) - min(probable) < _SAME_EVIDENCE
     ):  # what fits about as well as these leaves about the same
         near = [ids for ids in wanted if best[ids].log_posterior > first - reach]
         return dict.fromkeys(near, min(probable))
     known = {ids: traced.case.left(best[ids], traced.units) for ids in gains}
     found = {}
-    for ids in wanted[: settings.sets_alike]:
+    for ids in wanted[:_SETS_ALIKE]:
         left = traced.case.left(best[ids], traced.units)
         nearest = min(known, key=lambda other: float(np.sum((left - known[other]) ** 2)))
         found[ids] = gains[nearest]
@@ -169,7 +172,7 @@ def _with_nothing(case: Case, fits: list[HypothesisFit], reduced: Stack) -> list
 def sampled(folds: Folds, settings: NoiseSettings) -> NDArray[np.int64]:
     """Rows, or units, that fits may see, in segments where there are many."""
     rows = np.flatnonzero(folds.fitted)
-    count, length = settings.segments, settings.segment_rows
+    count, length = _SEGMENTS, _SEGMENT_ROWS
     if len(rows) <= count * length:
         return rows
     firsts = np.linspace(0, len(rows) - length, count).astype(np.int64)

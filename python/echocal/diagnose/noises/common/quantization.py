@@ -7,6 +7,7 @@ from echocal.diagnose.findings.finding import Finding
 from echocal.diagnose.noises import registry
 from echocal.diagnose.preprocess.view import View
 from echocal.diagnose.settings.noises import NoiseSettings
+from echocal.diagnose.settings.threshold import PROBABLE
 
 __all__ = ["find_steps"]
 
@@ -41,5 +42,5 @@ def _candidates(view: View, settings: NoiseSettings) -> Iterator[Finding]:
         if finding is None:
             continue
         finding = replace(finding, facts=settings.facts(finding.facts))
-        if finding.probability > settings.found:
+        if finding.probability > PROBABLE:
             yield finding

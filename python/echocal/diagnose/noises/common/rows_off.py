@@ -12,6 +12,7 @@ from echocal.diagnose.noises.common.findings import noise_findings
 from echocal.diagnose.noises.common.kinds import FittedNoise
 from echocal.diagnose.noises.common.posterior import NoisePosterior, Traced
 from echocal.diagnose.noises.common.without import without
+from echocal.diagnose.settings.threshold import PROBABLE
 
 __all__ = ["RowsOff", "without_rows_off"]
 
@@ -60,7 +61,7 @@ def without_rows_off(
         return None
     for noise in tried:
         probability = shares.probability(noise.facts.id)
-        if noise.offsets is None or probability < case.settings.noises.subtracted:
+        if noise.offsets is None or probability < PROBABLE:
             continue
         ids = (noise.facts.id,)
         (finding,) = noise_findings({ids: probability}, shares, inference.reduced, probability)

@@ -13,6 +13,8 @@ from echocal.diagnose.inference.posterior import Inference
 from echocal.diagnose.noises.common.posterior import NoisePosterior, Traced, sampled
 from echocal.diagnose.noises.common.without import without
 from echocal.diagnose.settings.noises import NoiseSettings
+from echocal.diagnose.settings.threshold import PROBABLE
+from echocal.observations.quantiles import MAD_TO_SD
 
 __all__ = ["Scattered", "without_scattered_rows"]
 
@@ -23,7 +25,6 @@ _ROUNDS = 2  # the second one beside the causes that are probable after the firs
 _STEPS = 50  # of the EM algorithm
 _SAME = 0.1  # of the usual scatter: with smaller changes, a second comparison would be the first one
 _START = 0.05, 5.0  # part of the rows that scatter more, and how much more
-_MAD_TO_SD = 1.4826  # of a normal distribution
 
 
 @dataclass(frozen=True)
@@ -56,7 +57,7 @@ class Scattered:
         become one.
         """
         square = left**2
-        usual, whole = _MAD_TO_SD**2 * float(np.median(square)), float(square.mean())
+        usual, whole = MAD_TO_SD**2 * float(np.median(square)), float(square.mean())
         usual = max(usual, least**2)
         if not usual < whole:
             return None
@@ -107,7 +108,7 @@ def without_scattered_rows(
     """
     settings = case.settings.noises
     likely = (max(one.values(), default=0.0) for one in shares.fitted.values())
-    if max(likely, default=0.0) >= settings.subtracted:
+    if max(likely, default=0.0) >= PROBABLE:
         return None
     fits, off, other = shares.fits, np.zeros(len(case.table)), None
     for _ in range(_ROUNDS):

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from echocal.diagnose.preprocess.view import View, least_absolute
 from echocal.diagnose.settings.threshold import threshold
+from echocal.observations.quantiles import MAD_TO_SD
 from echocal.registry import find_effect
 
 __all__ = ["Truncation", "cut_off"]
@@ -61,7 +62,7 @@ def cut_off(view: View, step: float, own: Truncation) -> bool:
         scale += [(own.per_kelvin * warm) ** power * distance for power in (1, 2)]
     smooth = np.array([one, *scale] if np.ptp(distance) or len(scale) > 1 else [one])
     left = np.abs(error - least_absolute(smooth, error) @ smooth)
-    inside = left <= _INSIDE * max(1.4826 * float(np.median(left)), 0.5 * step)
+    inside = left <= _INSIDE * max(MAD_TO_SD * float(np.median(left)), 0.5 * step)
     zeros = ((1 - own.shifted, [own.zero * one]), (own.shifted, [own.shift * one]))
     speeds = [(1 - own.scaled, error, []), (0.5 * own.scaled, error, scale)]
     used = _at_speeds_in_use(view, rows)
