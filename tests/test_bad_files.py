@@ -55,7 +55,7 @@ FILES: dict[str, tuple[bytes, dict[str, Any], type[Exception], str]] = {
         "echo_us\n1\n".encode("utf-16"),
         {},
         DataError,
-        "is not text in utf-8: a binary file, or name the encoding: --encoding utf-16",
+        "is not text in utf-8: a binary file, or name the encoding: encoding='utf-16'",
     ),
     "thousands, German": (
         b"reading_mm;temperature_C\n514,9;20,5\n1.025,4;20,5\n",
@@ -73,13 +73,13 @@ FILES: dict[str, tuple[bytes, dict[str, Any], type[Exception], str]] = {
         b"reading_m,temprature_C\n1.025,20\n",
         {},
         DataError,
-        'map one (--column "temprature_C=temperature_C")',
+        "map one (columns={'temprature_C': 'temperature_C'})",
     ),
     "echo misspelled, with a unit": (
         b"Time [UTC],Distace [mm]\n2019/03/09,1611\n",
         {},
         DataError,
-        'Say which it is: --column "Distace [mm]=reading_mm"',
+        "Say which it is: columns={'Distace [mm]': 'reading_mm'}",
     ),
     "unknown encoding": (b"echo_us\n1\n", {"encoding": "utf-9"}, UsageError, "unknown encoding 'utf-9'"),
     "spreadsheet": (

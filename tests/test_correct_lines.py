@@ -191,7 +191,7 @@ def test_a_file_cut_within_a_sign_keeps_its_rows(
     if encoding.startswith("utf-8"):
         (tmp_path / "bad.csv").write_bytes(whole.replace("ü".encode(), b"\xc3", 1))
         with pytest.raises(echocal.DataError, match="is not text in utf-8"):
-            correct_files(tmp_path / "bad.csv", tmp_path / f"bad.{to}", MODEL, layout=layout)
+            correct_files(tmp_path / "bad.csv", tmp_path / f"of bad.{to}", MODEL, layout=layout)
 
 
 @pytest.mark.parametrize("above", [0, 1, 500])

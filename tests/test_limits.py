@@ -162,7 +162,7 @@ def test_a_footer_of_many_elements(tmp_path: Path) -> None:
     foot = thrift.write(struct)
     Path("log.parquet").write_bytes(raw[: -8 - length] + foot + len(foot).to_bytes(4, "little") + b"PAR1")
     model = echocal.Model("linear", {"zero_error": {"offset": 0.001}})
-    with pytest.raises(DataError, match=r"more than 524,288 fields.*--memory"):
+    with pytest.raises(DataError, match=r"more than 524,288 fields.*a larger memory"):
         echocal.correct_files("log.parquet", "out.parquet", model, memory="256MB")
     assert not Path("out.parquet").exists()
     echocal.correct_files("log.parquet", "out.parquet", model, memory="1GB")

@@ -4,6 +4,7 @@ import codecs
 import csv
 import gzip
 import io
+import os
 import sys
 import warnings
 from collections.abc import Callable, Iterator
@@ -154,3 +155,13 @@ def test_one_log_in_each_dialect(dialect: str, run: Run, tmp_path: Path, random:
     if "zipped" not in dialect:
         assert run("watch", streamed, *words, "--correct-only", "--once", "-o", "whole.jsonl")[0] == 0
         assert watched(tmp_path / "whole.jsonl") == rows
+
+
+def test_a_pipe_is_refused_with_the_way_out(tmp_path: Path) -> None:
+    """It gives its bytes once, and a file is opened twice."""
+    reads, writes = os.pipe()
+    with open(reads, "rb"), open(writes, "wb") as pipe:
+        pipe.write(b"echo_us,temperature_C\n5000,20\n")
+        pipe.flush()
+        with pytest.raises(echocal.DataError, match=f"/dev/fd/{reads} gives its bytes once"):
+            echocal.read_observations(f"/dev/fd/{reads}")

@@ -58,5 +58,5 @@ def test_a_value_in_the_place_of_another_is_refused(table: str, tmp_path: Path) 
     state._base.execute(f"update {table} set value = (select value from {table} where {key} = 'a')")
     state.commit()
     state.close()
-    with pytest.raises(DataError, match=f"'b' in {table} has another checksum.*begin with another --state"):
+    with pytest.raises(DataError, match=f"'b' in {table} has another checksum.*begin with another state"):
         State(tmp_path / "s.db")

@@ -117,6 +117,9 @@ class TextFile:
 
     @contextmanager
     def _unpacked(self, file: IO[bytes]) -> Iterator[IO[bytes]]:
+        if not file.seekable():
+            message = f"{self.path} gives its bytes once (a pipe): write them to a file, and give that"
+            raise DataError(message)
         file.seek(0)
         try:
             yield gzip.GzipFile(fileobj=file) if self.is_zipped else file  # type: ignore[misc]

@@ -50,7 +50,7 @@ class State:
                 ":memory:" if path is None else str(path), isolation_level=None, timeout=1.0
             )
         except sqlite3.DatabaseError as error:
-            message = f"--state {path} cannot be used: {error}"
+            message = f"{keyword('state', str(path))} cannot be used: {error}"
             raise UsageError(message) from None
         try:
             if path is not None:
@@ -174,8 +174,8 @@ class State:
                     told = f"{key[0]!r} in {table} has another checksum"
         if told != "ok":
             message = (
-                f"--state {self.path} is damaged, or of another version of echocal ({told}): take a copy of "
-                "it, or begin with another --state"
+                f"{keyword('state', str(self.path))} is damaged, or of another version of echocal ({told}): "
+                f"take a copy of it, or begin with another {keyword('state')}"
             )
             raise DataError(message)
 

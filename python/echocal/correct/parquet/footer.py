@@ -8,6 +8,7 @@ from echocal.correct.parquet import thrift
 from echocal.correct.parquet.checks import FILE, check
 from echocal.correct.parquet.thrift import BINARY, I32, I64, LIST, STRUCT, Struct
 from echocal.errors import DataError
+from echocal.keywords import keyword
 
 __all__ = ["Field", "Footer", "chunk_range", "fields_of", "read_footer"]
 
@@ -111,7 +112,7 @@ def read_footer(file: BinaryIO, name: str, memory: int | None = None) -> Footer:
     if length > longest:
         message = (
             f"{name} has a footer of {length:,} bytes, and {longest:,} are the most: it is damaged, or needs "
-            "more memory (--memory) or larger row groups"
+            f"a larger {keyword('memory')}, or larger row groups"
         )
         raise DataError(message)
     begins = size - _END - length

@@ -7,6 +7,8 @@ Apache Thrift (doc/specs/thrift-compact-protocol.md).
 
 from typing import Any, TypeAlias
 
+from echocal.keywords import keyword
+
 __all__ = ["BINARY", "BYTES", "I32", "I64", "INTEGERS", "LIST", "MOST", "STRUCT", "Struct", "read", "write"]
 
 TRUE, FALSE, BYTE, I16, I32, I64, DOUBLE, BINARY, LIST, SET, MAP, STRUCT = range(1, 13)
@@ -101,8 +103,8 @@ class _Reader:
         self._left -= more
         if self._left < 0:
             message = (
-                f"it has more than {self._most:,} fields and elements: it is damaged, or needs more memory "
-                "(--memory) or larger row groups"
+                f"it has more than {self._most:,} fields and elements: it is damaged, or needs a larger "
+                f"{keyword('memory')}, or larger row groups"
             )
             raise ValueError(message)
 
