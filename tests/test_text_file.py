@@ -160,7 +160,7 @@ def test_one_log_in_each_dialect(dialect: str, run: Run, tmp_path: Path, random:
 def test_a_pipe_is_refused_with_the_way_out(tmp_path: Path) -> None:
     """It gives its bytes once, and a file is opened twice."""
     reads, writes = os.pipe()
-    with open(reads, "rb"), open(writes, "wb") as pipe:
+    with os.fdopen(reads, "rb"), os.fdopen(writes, "wb") as pipe:
         pipe.write(b"echo_us,temperature_C\n5000,20\n")
         pipe.flush()
         with pytest.raises(echocal.DataError, match=f"/dev/fd/{reads} gives its bytes once"):
