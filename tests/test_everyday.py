@@ -249,6 +249,7 @@ def test_celsius_in_a_column_called_fahrenheit(random: Random) -> None:
         del table["temperature_C"]
         right = echocal.diagnose(table | {"temperature_F": 32.0 + 1.8 * celsius})
         cause = found(echocal.diagnose(table | {"temperature_F": celsius}), "fahrenheit_celsius")
+        assert cause is None or "columns={'temperature_F': 'temperature_C'}" in cause.because
         return cause is not None and found(right, "fahrenheit_celsius") is None
 
     assert right(judge) >= 7

@@ -6,6 +6,7 @@ import zipfile
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
@@ -50,9 +51,18 @@ def test_a_long_name_of_a_table_or_of_json() -> None:
 
 @pytest.mark.parametrize("word", [" ", "a b ", "a."])
 def test_a_long_line_of_a_log(word: str) -> None:
-    told = hostile(f"{MEASURED}{word * 100_000}\n", "log.txt")
-    assert "log.txt: line 6 has " in told
-    assert "4,096 are the most" in told
+    """It costs one row, at once."""
+    Path("log.txt").write_text(f"{MEASURED}{word * 100_000}\n{MEASURED}")
+    with pytest.warns(echocal.DataWarning, match="1 line without values"):
+        data = echocal.read_observations("log.txt", reading_speed=343)
+    assert len(data) == 11
+    assert list(np.flatnonzero(~data.usable)) == [5]
+
+
+def test_a_long_message_of_json_is_read() -> None:
+    message = json.dumps({"echo_us": 2900.5, "temperature_C": 20.0, "wave": list(range(2000))})
+    Path("log.txt").write_text(f"home/tank {message}\n" * 5)
+    assert echocal.read_observations("log.txt").usable.sum() == 5
 
 
 @pytest.mark.parametrize("begin", [HEADER, "", MEASURED])

@@ -1,5 +1,6 @@
 """A correction as an estimator of scikit-learn."""
 
+import warnings
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -9,9 +10,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from echocal.calibrate import Calibration, calibrate
 from echocal.correct import correct
+from echocal.correct.marks import NOT_CHECKED
 from echocal.correct.results import DISTANCE
 from echocal.diagnose import Diagnosis, diagnose
-from echocal.errors import DataError, UsageError
+from echocal.errors import DataError, DataWarning, UsageError
 from echocal.model import Model
 
 try:
@@ -157,7 +159,11 @@ class EchoCorrector(RegressorMixin, TransformerMixin, BaseEstimator):  # type: i
         check_is_fitted(self)
         table, _ = self._table(X)
         how: dict[str, Any] = {"reading_speed": self.reading_speed, "trust": self._trusted(table)}
-        return np.array(correct(table, self.model_, self.columns, **how).table[DISTANCE], dtype=np.float64)
+        done = correct(table, self.model_, self.columns, **how)
+        for note in done.notes:
+            if note.startswith(NOT_CHECKED):
+                warnings.warn(note, DataWarning, stacklevel=2)
+        return np.array(done.table[DISTANCE], dtype=np.float64)
 
     def transform(self, X: Any) -> NDArray[np.float64]:
         """Corrected distances as a column, shape (n, 1) [m]; see `predict`."""

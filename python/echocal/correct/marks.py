@@ -14,7 +14,10 @@ from echocal.observations.marks import MARKS, RowRule, marked, rules_from
 from echocal.observations.numbers import Missing, to_numbers
 from echocal.observations.plan import make
 
-__all__ = ["context_of", "reference_of", "rules_of", "with_marks"]
+__all__ = ["NOT_CHECKED", "context_of", "reference_of", "rules_of", "with_marks"]
+
+NOT_CHECKED = "not checked"
+"""Begin of a note on faults that a diagnosis repaired and a correction does not look for."""
 
 Column = NDArray[np.float64]
 
@@ -50,13 +53,13 @@ def with_marks(
     found, unchecked = marked(observations, distance, reference, rules)
     if unchecked:
         notes.append(
-            f"not checked: {', '.join(unchecked)}; the diagnosis of the model found such rows by a column "
+            f"{NOT_CHECKED}: {', '.join(unchecked)}; the diagnosis of the model found such rows by a column "
             "(reading, echo time or reference distance) that this table does not have"
         )
     if other := _kept(model).get("without_rule", ()):
         notes.append(
-            f"not checked: {', '.join(map(str, other))}; the diagnosis of the model found that in its table, "
-            "and a correction repairs nothing: if this table has it, repair it before"
+            f"{NOT_CHECKED}: {', '.join(map(str, other))}; the diagnosis of the model found that in its "
+            "table, and a correction repairs nothing: if this table has it, repair it before"
         )
     return np.where(found == "", distance, np.nan), found, tuple(notes)
 

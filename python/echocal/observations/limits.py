@@ -9,7 +9,7 @@ from typing import IO, Any
 from echocal.errors import DataError
 
 __all__ = ["CELLS", "COLUMNS", "DEPTH", "LINE", "LOG_LINE", "NAME", "WHOLE", "Guarded"]
-__all__ += ["from_json", "refuse_cells", "refuse_log_line", "refuse_names", "refuse_record", "too_long"]
+__all__ += ["from_json", "refuse_cells", "refuse_names", "refuse_record", "too_long"]
 
 LINE = 1 << 22
 """Bytes of a line, or of a quoted field with the lines in it: 16,384 columns of 256 bytes; judgement."""
@@ -18,8 +18,9 @@ WHOLE = 1 << 26
 """Bytes of a line of JSON, which may be a whole document: that of 600,000 records; judgement."""
 
 LOG_LINE = 1 << 12
-"""Characters of a line of a log without separators: the longest known has 365. Words are searched in it, in a
-time that grows with its square: 0.3 s a search for 16,000 characters, measured; the limit is a judgement."""
+"""Characters of a line of a log without separators, beyond which it holds no value; the longest known has
+365. Words are searched in it, in a time that grows with its square: 0.3 s for 16,000 characters, measured; the
+limit is a judgement."""
 
 NAME = 1000
 """Characters of a column's name: units are searched in it, in a time that grows with its square: 6.5 s for
@@ -115,22 +116,6 @@ class Guarded(io.BufferedIOBase):
         self._ends[end] += data.count(end)
         self._run = self._run + len(data) if first < 0 else len(data) - data.rfind(end) - 1
         return data
-
-
-def refuse_log_line(line: str, number: int, path: object) -> None:
-    """Refuse a line of a log that is longer than any that a program writes.
-
-    Raises
-    ------
-    DataError
-        With its number.
-    """
-    if len(line) > LOG_LINE:
-        message = (
-            f"{path}: line {number} has {len(line):,} characters, and {LOG_LINE:,} are the most in a log of "
-            f"this kind ('{line[:40]}...'): it is damaged; remove it"
-        )
-        raise DataError(message)
 
 
 def refuse_names(names: Iterable[object], where: object) -> None:

@@ -65,6 +65,8 @@ class State:
             raise
         except (sqlite3.DatabaseError, UnicodeError) as error:
             self._base.close()
+            if "decode" in str(error):
+                raise self._damaged(str(error)) from None
             busy = "another watch is using it" if "locked" in str(error) else str(error)
             message = f"{keyword('state', str(path))} cannot be used: {busy}"
             raise UsageError(message) from None
@@ -173,11 +175,14 @@ class State:
                 if value != _sealed(table, key, str(value)[_SEAL:]):
                     told = f"{key[0]!r} in {table} has another checksum"
         if told != "ok":
-            message = (
-                f"{keyword('state', str(self.path))} is damaged, or of another version of echocal ({told}): "
-                f"take a copy of it, or begin with another {keyword('state')}"
-            )
-            raise DataError(message)
+            raise self._damaged(told)
+
+    def _damaged(self, told: str) -> DataError:
+        message = (
+            f"{keyword('state', str(self.path))} is damaged, or of another version of echocal ({told}): "
+            f"take a copy of it, or begin with another {keyword('state')}"
+        )
+        return DataError(message)
 
 
 def _sealed(table: str, key: Sequence[Any], text: str) -> str:

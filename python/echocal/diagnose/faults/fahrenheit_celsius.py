@@ -17,6 +17,7 @@ from echocal.diagnose.preprocess.usable import some
 from echocal.diagnose.preprocess.view import View
 from echocal.diagnose.settings.faults import FaultSettings
 from echocal.diagnose.settings.threshold import threshold
+from echocal.keywords import keyword
 from echocal.observations.quantiles import MAD_TO_SD
 from echocal.observations.units_said import split_unit, symbol_of
 
@@ -104,6 +105,10 @@ def _found(view: View, rows: Mask, evidence: float, convert: Conversion, setting
         f"is, read as {read}, {air_low:.1f} .. {air_high:.1f} degC, which fits the air"
         f"{'' if all_rows else ' of the rows around'}; the diagnosis goes on with these"
     )
+    if all_rows:
+        name = view.observations.source_names.get("temperature", "temperature")
+        right = {name: "temperature_C" if convert is written else "temperature_F"}
+        because += f", and a correction reads them so with {keyword('columns', right)}"
     return Found(rows, evidence, because, (rows.sum(),), repaired)
 
 

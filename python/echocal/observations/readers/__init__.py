@@ -14,7 +14,7 @@ import pandas as pd
 from echocal.observations.file import TextFile
 from echocal.observations.found import Found, found_in, keep
 from echocal.observations.heading import FIRST
-from echocal.observations.limits import refuse_log_line
+from echocal.observations.limits import LOG_LINE
 from echocal.observations.readers import (
     bursts,
     cell_units,
@@ -54,6 +54,8 @@ _FORMATS = (
 _STEPS = (ros.step, cell_units.step, long_tables.step, bursts.step, times.step, unit_names.step, repeats.step)
 
 
+_OF_JSON = (json_records, mqtt_lines, messages)
+_NO_LINE = "(a line that is longer than those of a log)"  # without a value, as which it is counted
 _LOOK = 1 << 16  # characters of a line that tell the format; a document of JSON is one line
 
 
@@ -71,7 +73,7 @@ def read(file: TextFile, sheet: str | None = None) -> pd.DataFrame | None:
     if form is None:
         return None
     with file.opened() as data, file.below(data, file.layout.skip_lines) as text:
-        log = form.read(list(_lines(text, form, file)), str(file.path))
+        log = form.read(list(_lines(text, form)), str(file.path))
     table = log.table(str(file.path))
     found = Found(
         form.NAME,
@@ -86,11 +88,9 @@ def read(file: TextFile, sheet: str | None = None) -> pd.DataFrame | None:
     return keep(table, found)
 
 
-def _lines(text: TextIO, form: ModuleType, file: TextFile) -> Iterator[str]:
-    for number, line in enumerate(text, 1):
-        if form is not json_records:
-            refuse_log_line(line, number, file.path)
-        yield plain(line.rstrip("\r\n"))
+def _lines(text: TextIO, form: ModuleType) -> Iterator[str]:
+    for line in (one.rstrip("\r\n") for one in text):
+        yield plain(line if len(line) <= LOG_LINE or form in _OF_JSON else _NO_LINE)
 
 
 def format_of(file: TextFile) -> str:
