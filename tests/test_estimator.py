@@ -105,3 +105,11 @@ def test_it_goes_through_a_pipeline_a_clone_and_a_pickle(echoes: tuple[pd.DataFr
     pd.testing.assert_frame_equal(again.transform(table), corrector.transform(table))
     assert list(corrector.transform(table)) == ["corrected_distance_m"]
     assert not hasattr(clone(corrector), "model_")
+
+
+def test_a_fault_that_only_the_fit_repaired_is_told(echoes: tuple[pd.DataFrame, np.ndarray]) -> None:
+    table, distance = echoes
+    table = table.rename(columns={"temperature_C": "temperature_F"})  # the values stay in degC
+    corrector = EchoCorrector().fit(table, distance)
+    with pytest.warns(echocal.DataWarning, match="not checked: fahrenheit_celsius"):
+        corrector.predict(table)

@@ -18,9 +18,9 @@ WHOLE = 1 << 26
 """Bytes of a line of JSON, which may be a whole document: that of 600,000 records; judgement."""
 
 LOG_LINE = 1 << 12
-"""Characters of a line of a log without separators, beyond which it holds no value; the longest known has
-365. Words are searched in it, in a time that grows with its square: 0.3 s for 16,000 characters, measured; the
-limit is a judgement."""
+"""Characters of a line of a log without separators, beyond which it holds no value. The longest known has
+365. Words are searched in it, in a time that grows with its square: 0.3 s for 16,000 characters, measured.
+The limit is a judgement."""
 
 NAME = 1000
 """Characters of a column's name: units are searched in it, in a time that grows with its square: 6.5 s for
