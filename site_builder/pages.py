@@ -1,6 +1,7 @@
 """Pages that are made: the start (README), the command line (its help), Python (its docstrings)."""
 
 import re
+from inspect import unwrap
 from operator import attrgetter
 from pathlib import Path
 from typing import Any
@@ -104,7 +105,7 @@ def _python() -> str:
         lines += [f"## {topic}", ""]
         for name in names:
             made = attrgetter(name)(echocal)
-            made = getattr(made, "__wrapped__", made)
+            made = unwrap(made)
             lines += [
                 f"::: {made.__module__}.{made.__qualname__}",
                 "    options:",

@@ -17,20 +17,20 @@ class _Verb(ModuleType):
     """What ``echocal.correct`` is: the function when it is called, and the module of the same name."""
 
     @property
-    def _function(self) -> Callable[..., Any]:
+    def __wrapped__(self) -> Callable[..., Any]:
         function: Callable[..., Any] = vars(self)[self.__name__.rpartition(".")[2]]
         return function
 
     def __call__(self, *args: Any, **keywords: Any) -> Any:
-        return self._function(*args, **keywords)
+        return self.__wrapped__(*args, **keywords)
 
     @property
     def __signature__(self) -> Signature:
-        return signature(self._function)
+        return signature(self.__wrapped__)
 
     @property
     def __doc__(self) -> str | None:  # type: ignore[override]
-        return self._function.__doc__
+        return self.__wrapped__.__doc__
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Travel by name, as functions do: a pool of processes may be given it."""
