@@ -18,11 +18,20 @@ __all__ = ["on_files"]
 
 ROOT = Path(__file__).parents[1]
 
+_ESTIMATOR = ("EchoCorrector",) if "EchoCorrector" in echocal.__all__ else ()  # needs scikit-learn
 TOPICS = {
     "Air and distances": ("speed_of_sound", "time_of_flight", "distance", "error", "absorption"),
     "Models": ("Model", "effects", "domain_violations"),
     "Waveforms": ("echo_times", "EchoTimes", "read_waveforms"),
-    "Tables": ("read_observations", "Observations", "correct", "Corrected", "correct_files", "sweep"),
+    "Tables": (
+        "read_observations",
+        "Observations",
+        "correct",
+        "Corrected",
+        "correct_files",
+        "sweep",
+        *_ESTIMATOR,
+    ),
     "Diagnosis": (
         "diagnose",
         "diagnose_many",
@@ -32,7 +41,14 @@ TOPICS = {
         "gross_faults",
         "row_faults",
     ),
-    "Watching": ("watch.Fleet", "watch.Reference", "watch.State", "watch.WatchSettings", "watch.Event"),
+    "Watching": (
+        "watch",
+        "watch.Fleet",
+        "watch.Reference",
+        "watch.State",
+        "watch.WatchSettings",
+        "watch.Event",
+    ),
     "Calibration and verification": (
         "calibrate",
         "Calibration",

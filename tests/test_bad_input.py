@@ -25,7 +25,7 @@ TABLES: dict[str, tuple[dict[str, Any], dict[str, Any], type[Exception], str]] =
         {},
         DataError,
         "column 'temperature_C' holds true and false, and a temperature is a number; "
-        'if it is something else: --column "temperature_C=extra"',
+        "if it is something else: columns={'temperature_C': 'extra'}",
     ),
     "no columns": ({}, {}, DataError, "the table has no columns"),
     "lists in a column": (
@@ -40,13 +40,13 @@ TABLES: dict[str, tuple[dict[str, Any], dict[str, Any], type[Exception], str]] =
         DataError,
         "no column holds an echo time or a distance reading; accepted: echo_us, echo_ms, echo_s, reading_m, "
         "reading_cm, reading_mm, reading_inch, reading_ft. The table has: SR_U, battery. "
-        'Say which it is: --column "',
+        "Say which it is: columns={",
     ),
     "misspelled echo column": (
         {"time": ["2026-01-01"], "ehco_us": [5800.0]},
         {},
         DataError,
-        'Did you mean: --column "ehco_us=echo_us"',
+        "Did you mean: columns={'ehco_us': 'echo_us'}",
     ),
     "no column that could be an echo": (
         {"temperature_C": [20.0], "distance_m": [1.0]},
@@ -59,7 +59,7 @@ TABLES: dict[str, tuple[dict[str, Any], dict[str, Any], type[Exception], str]] =
         {},
         DataError,
         "column 'temperature_R' has unknown unit 'R'; accepted: temperature_C, temperature_K, "
-        "temperature_F. Rename it, or say what it is: --column",
+        "temperature_F. Rename it, or say what it is: columns={",
     ),
     "no unit": (
         {**ECHO, "humidity": [50.0] * 3},
@@ -72,14 +72,14 @@ TABLES: dict[str, tuple[dict[str, Any], dict[str, Any], type[Exception], str]] =
         {},
         DataError,
         "column 'humidity_percent' has a median of 144, outside 0 .. 100; values in another unit, or in "
-        'tenths, must be converted before; without it: --column "humidity_percent=ignore"',
+        "tenths, must be converted before; without it: columns={'humidity_percent': 'ignore'}",
     ),
     "an error code throughout": (
         {**ECHO, "humidity_percent": [143.0, 143.0, 150.0]},
         {},
         DataError,
         "column 'humidity_percent' has a median of 143, outside 0 .. 100; an error code? "
-        '--missing "humidity_percent=143"',
+        "missing={'humidity_percent': 143}",
     ),
     "humidity as a fraction": (
         {**ECHO, "humidity_percent": [0.43, 0.44, 0.5]},
@@ -87,15 +87,15 @@ TABLES: dict[str, tuple[dict[str, Any], dict[str, Any], type[Exception], str]] =
         DataError,
         "column 'humidity_percent' has a median of 0.44: as humidity_percent 0.0044, as relative_humidity "
         "0.44. "
-        'Say which it is: --column "humidity_percent=relative_humidity"',
+        "Say which it is: columns={'humidity_percent': 'relative_humidity'}",
     ),
     "Fahrenheit by the look of it": (
         {**ECHO, "temperature_C": [66.0, 68.0, 70.0]},
         {},
         DataError,
         "column 'temperature_C' has a median of 68: as temperature_C 68 degC, as temperature_F 20 degC. "
-        'Say which it is: --column "temperature_C=temperature_F" (or rename it), '
-        'or if it is right as it stands: --trust "temperature_C"',
+        "Say which it is: columns={'temperature_C': 'temperature_F'} (or rename it), "
+        "or if it is right as it stands: trust=['temperature_C']",
     ),
     "Kelvin by the look of it": (
         {**ECHO, "temperature_C": [295.0] * 3},
@@ -126,20 +126,20 @@ TABLES: dict[str, tuple[dict[str, Any], dict[str, Any], type[Exception], str]] =
         {},
         DataError,
         "column 'temperature_C' has text in 1 of 3 rows, first at row 2: 'open'; "
-        'if it means "no value": --missing "open"',
+        "if it means \"no value\": missing=['open']",
     ),
     "decimal comma": (
         {**ECHO, "temperature_C": ["20,0", "20,1", "20,5"]},
         {},
         DataError,
-        "has text in 3 of 3 rows, first at row 1: '20,0'; a decimal comma? pass --decimal ,",
+        "has text in 3 of 3 rows, first at row 1: '20,0'; a decimal comma? pass decimal=','",
     ),
     "all NaN": (
         {**ECHO, "humidity_percent": [np.nan] * 3},
         {},
         DataError,
         "column 'humidity_percent' has no value in any of 3 rows; "
-        'if it is not needed: --column "humidity_percent=ignore"',
+        "if it is not needed: columns={'humidity_percent': 'ignore'}",
     ),
     "no usable row": (
         {"echo_us": [0.0, 0.0, 0.0]},
@@ -190,7 +190,7 @@ TABLES: dict[str, tuple[dict[str, Any], dict[str, Any], type[Exception], str]] =
         {},
         DataError,
         "columns 'echo_us' and 'echo_ms' both hold echo time; say which not to use: "
-        '--column "echo_ms=ignore"',
+        "columns={'echo_ms': 'ignore'}",
     ),
     "echo and reading disagree": (
         {**ECHO, "reading_m": [4.0, 4.0, 4.0], "temperature_C": [20.0] * 3},

@@ -108,7 +108,7 @@ BAD_TABLES: dict[str, tuple[Callable[[Array], pa.Table], dict[str, Any], type[Ex
         lists,
         {"sample_rate": None},
         echocal.UsageError,
-        "has no sample rate; give it: sample_rate=",
+        "has no sample rate; give it: sample_rate [Hz]",
     ),
     "ragged": (
         lambda m: pa.table({"wave": [[1.0, 2.0], [1.0, 2.0], [1.0]]}),
@@ -221,7 +221,7 @@ def test_the_command_takes_every_option(made: Array, run: Run) -> None:
 @pytest.mark.parametrize(
     ("words", "code", "told"),
     [
-        ("a.npy", 2, "a.npy has no sample rate; give it: sample_rate= or --sample-rate [Hz]"),
+        ("a.npy", 2, "a.npy has no sample rate; give it: --sample-rate [Hz]"),
         ("a.npy --sample-rate 50000", 2, "sample_rate is 50000 Hz, too low"),
         ("a.npy --sample-rate 192000 --method best", 2, "method is 'best'; there are"),
         ("a.npy --sample-rate 192000 -o a.txt", 2, "cannot write '.txt' (a.txt); endings: .csv, .parquet"),

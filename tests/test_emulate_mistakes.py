@@ -37,7 +37,7 @@ void loop() {
 @pytest.mark.parametrize(
     ("words", "code", "message"),
     [
-        ("", 2, "a temperature is needed, such as --temperature 0:50:2, or a table of rows"),
+        ("", 2, "a temperature is needed, such as --temperature 20, or a table of rows"),
         ("--temperature 20 --sketch none.ino", 2, "no sketch 'none.ino': it is neither a file nor one of"),
         ("--temperature 20 --adc-bits 12", 2, "the converter of an ATmega328P has 10 bits, not 12"),
         ("--temperature 20 --part dht22", 2, "part 'dht22' has no voltage, and its bus is not emulated"),

@@ -223,7 +223,7 @@ def test_what_a_worker_must_see(tmp_path: Path, models: Path) -> None:
     assert "does not see what this process wrote" in sees({"written": [str(lock), "another's"]})
     assert "does not see what this process wrote" in sees({"written": ["/nowhere/lock", "mine"]})
     plain = {"folder": str(tmp_path / "absent"), "by": "sensor_id"}
-    assert "reports: --models" in sees({"models": plain, "digest": ""})
+    assert "reports: models=" in sees({"models": plain, "digest": ""})
 
 
 @pytest.mark.parametrize(

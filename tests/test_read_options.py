@@ -43,7 +43,7 @@ def test_a_command_has_a_flag_for_each_option(name: str) -> None:
         if option == "sheet" and name in {"correct", "watch"}:
             continue
         usual = getattr(ReadOptions, option)
-        given = flags["column" if option == "columns" else option].default
+        given = flags[option].default
         assert given == usual if isinstance(usual, str | int) else not given, option
 
 

@@ -144,7 +144,7 @@ def test_a_model_reads_its_own_column(found: echocal.Diagnosis, log: pd.DataFram
             {"columns": [BOX, "temperature_other_C"]},
             f"has no further thermometer: record it in a column '{BOX}'",
         ),
-        ({"requests": {BOX: "extra"}}, f'--column "{BOX}=thermometer_C"'),
+        ({"requests": {BOX: "extra"}}, f"columns={{'{BOX}': 'thermometer_C'}}"),
     ],
 )
 def test_a_table_without_the_column_is_refused(

@@ -21,7 +21,8 @@ from echocal.virtual_bench.waveform.received import Noise, Received
 Column = NDArray[np.float64]
 
 FOLDER = Path(echocal.virtual_bench.__file__).parent
-ALLOWED = {"numpy", "scipy", "pandas", "echocal.errors", "echocal.shown", "echocal.virtual_bench"}
+ALLOWED = {"numpy", "scipy", "pandas", "echocal.errors", "echocal.keywords", "echocal.shown"}
+ALLOWED |= {"echocal.virtual_bench"}
 HUNDREDTH_OF_A_CYCLE = 0.2e-6  # s
 TIMES_ARE_KNOWN_TO = 2e-8  # s: straight lines and the end of the search are wrong by half of it at most
 

@@ -11,7 +11,7 @@ __all__ = ["NAME", "read", "recognizes"]
 NAME = "line protocol of InfluxDB"
 
 _LINE = re.compile(
-    r"(?P<head>[^\s,=]+(?:,[^\s=]+=[^\s,]+)*) (?P<fields>[^\s=]+=[^\s]+?)(?: (?P<time>\d{10,19}))?"
+    r"(?P<head>[^\s,=]+(?:,[^\s,=]+=[^\s,]+)*) (?P<fields>[^\s=]+=[^\s]+?)(?: (?P<time>\d{10,19}))?"
 )
 
 
