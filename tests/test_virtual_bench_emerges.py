@@ -118,7 +118,7 @@ def test_a_tilted_or_far_or_soft_target_is_missed(random: np.random.Generator) -
     in_order = 0
     for away in random.uniform(
         1.0, 2.0, 5
-    ):  # between two lobes of the plate, an echo may come back once more
+    ):  # an echo may come back between two lobes
         where, tilts = np.full(50, away), np.linspace(0, 0.6, 13)
         lost = [missed(replace(plate, tilt=tilt), where) for tilt in tilts]
         in_order += lost == sorted(lost)
