@@ -116,9 +116,7 @@ def test_a_tilted_or_far_or_soft_target_is_missed(random: np.random.Generator) -
     assert missed(plate, np.full(200, 6.0)) == 1.0
     assert missed(replace(plate, reflectivity=0.02), distance) == 1.0
     in_order = 0
-    for away in random.uniform(
-        1.0, 2.0, 5
-    ):  # an echo may come back between two lobes
+    for away in random.uniform(1.0, 2.0, 5):  # an echo may come back between two lobes
         where, tilts = np.full(50, away), np.linspace(0, 0.6, 13)
         lost = [missed(replace(plate, tilt=tilt), where) for tilt in tilts]
         in_order += lost == sorted(lost)
