@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import pytest
 
 import echocal
@@ -48,3 +49,17 @@ def test_a_misspelled_reference(table: dict[str, Any]) -> None:
     table["distanse_m"] = table.pop("distance_m") + np.linspace(0.0, 1e-2, 60)
     with pytest.raises(echocal.DataError, match=r"did you mean: columns=\{'distanse_m': 'distance_m'\}"):
         echocal.verify(table, maximum_permissible_error=3e-3)
+
+
+@pytest.mark.parametrize("kind", ["csv", "parquet"])
+def test_a_correction_names_the_column_that_it_would_not_read(kind: str, tmp_path: Path) -> None:
+    """No column holds an echo, so none is left out of the table that the message is about."""
+    table = pd.DataFrame({"ehco_us": [5000.0, 5100.0], "temperature_C": 20.0, "remark": ["ok", 'a "b"']})
+    file = tmp_path / f"log.{kind}"
+    getattr(table, f"to_{kind}")(file, index=False)
+    with pytest.raises(
+        echocal.DataError, match="ehco_us, temperature_C, remark. Did you mean: columns={'ehco"
+    ):
+        echocal.correct_files(file, tmp_path / f"out.{kind}", echocal.Model("cramer"))
+    with pytest.raises(echocal.DataError, match=told):
+        echocal.correct(table, echocal.Model("cramer"))

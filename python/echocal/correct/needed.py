@@ -94,6 +94,8 @@ def needed(
     if thermometers - set(plan.several):  # for the message on it
         used |= {*plan.several, *(thermometers & set(plan.others))}
     used |= {name for name in (*plan.others, *plan.several) if name in extra}
+    if not {*_ECHOES} & {*plan.assignments}:
+        used = {*names}  # for the message on it
     reference: set[str] = set()
     if any("reference" in rule.kind + rule.quantity for rule in rules):
         reference = {name for name, quantity in held.items() if quantity == "reference_distance"}

@@ -112,7 +112,7 @@ def tidy(table: pd.DataFrame) -> pd.DataFrame:
     return table
 
 
-def _form(file: TextFile):  # type: ignore[no-untyped-def]
+def _form(file: TextFile) -> ModuleType | None:
     begins = (line[at : at + _LOOK] for line in file.first for at in range(0, len(line), _LOOK))
     plainly = (plain(line.rstrip("\r\n")) for line in islice(begins, FIRST))
     lines = [line for line in plainly if line.strip()]
