@@ -57,9 +57,8 @@ def test_a_correction_names_the_column_that_it_would_not_read(kind: str, tmp_pat
     table = pd.DataFrame({"ehco_us": [5000.0, 5100.0], "temperature_C": 20.0, "remark": ["ok", 'a "b"']})
     file = tmp_path / f"log.{kind}"
     getattr(table, f"to_{kind}")(file, index=False)
-    with pytest.raises(
-        echocal.DataError, match="ehco_us, temperature_C, remark. Did you mean: columns={'ehco"
-    ):
+    told = r"ehco_us, temperature_C, remark\. Did you mean: columns=\{'ehco_us': 'echo_us'\}"
+    with pytest.raises(echocal.DataError, match=told):
         echocal.correct_files(file, tmp_path / f"out.{kind}", echocal.Model("cramer"))
     with pytest.raises(echocal.DataError, match=told):
         echocal.correct(table, echocal.Model("cramer"))
