@@ -60,7 +60,8 @@ def test_rows_that_belong_together_are_held_out_together(random: np.random.Gener
     blocks = Folds.of(at_stations, SETTINGS.rows).blocks
     assert all(len(np.unique(blocks[at_stations.groups == one])) == 1 for one in range(6))
     blocks = Folds.of(drawn, SETTINGS.rows).blocks
-    assert (np.diff(blocks) >= 0).all()
+    for one in np.unique(drawn.groups):  # noise may look like a step: then there are two levels
+        assert (np.diff(blocks[drawn.groups == one]) >= 0).all()
     assert np.bincount(blocks).tolist() == [ROWS // 5] * 5
 
 
