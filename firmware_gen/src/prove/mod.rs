@@ -14,9 +14,9 @@ use checker::Checker;
 use crew::each;
 use quick::{Quick, Records};
 use row::{Fault, Row, Times};
-use straight::Straight;
 
 pub use claim::{Claim, Proof, SEED, Worst, fold};
+pub(crate) use straight::Straight;
 
 /// How a row was proven, and with what outcome.
 enum Checked {

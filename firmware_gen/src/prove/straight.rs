@@ -7,7 +7,7 @@ use crate::types::Range;
 
 /// The output `(start + slope * echo) >> bits`, and `after` on top of it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Straight {
+pub(crate) struct Straight {
     start: i64,
     slope: i64,
     bits: u32,
@@ -83,7 +83,7 @@ impl Straight {
 
     /// The output of `program` at these conditions, its claims checked at the `first` and the `last` echo code; nothing
     /// if it is not such a line, rising.
-    pub(super) fn of(
+    pub(crate) fn of(
         program: &Program,
         conditions: &[i64],
         (first, last): (i64, i64),
@@ -126,7 +126,7 @@ impl Straight {
     }
 
     /// The output at an echo code between the two that were checked.
-    pub(super) fn output(self, echo: i64) -> i32 {
+    pub(crate) fn output(self, echo: i64) -> i32 {
         ((self.start_at(echo) >> self.bits) + self.after) as i32
     }
 
