@@ -8,27 +8,27 @@
 #include "echocal_correction.h"
 
 /** Number of test vectors. */
-#define VECTORS (25U)
+#define VECTORS (26U)
 
 /** echo_us of each test vector. */
 static const uint16_t vector_echo_us[VECTORS] = {
     0U, 117U, 118U, 118U, 118U, 118U, 8441U, 8441U, 8441U, 8441U, 12603U, 12603U,
-    12603U, 12603U, 16764U, 16764U, 16764U, 16764U, 25067U, 25088U, 25088U, 25088U, 25088U, 25089U,
-    65535U
+    12603U, 12603U, 16764U, 16764U, 16764U, 16764U, 23248U, 25079U, 25088U, 25088U, 25088U, 25088U,
+    25089U, 65535U
 };
 
 /** temperature_code of each test vector. */
 static const int16_t vector_temperature_code[VECTORS] = {
     40, 40, -40, 13, 66, 120, -40, 13, 66, 120, -32768, -41,
-    121, 32767, -40, 13, 66, 120, -40, -40, 13, 66, 120, 40,
-    40
+    121, 32767, -40, 13, 66, 120, 43, 43, -40, 13, 66, 120,
+    40, 40
 };
 
 /** distance of each test vector. */
 static const int32_t vector_distance[VECTORS] = {
-    INT32_MIN, INT32_MIN, 17874, 18582, 19257, 19916, 1345230, 1413660, 1478936, 1542602, INT32_MIN, INT32_MIN,
-    INT32_MIN, INT32_MIN, 2672586, 2808738, 2938615, 3065289, 3996753, 4000102, 4203983, 4398469, 4588158, INT32_MIN,
-    INT32_MIN
+    INT32_MIN, INT32_MIN, 17874, 18582, 19257, 19916, 1345197, 1413660, 1478936, 1542602, INT32_MIN, INT32_MIN,
+    INT32_MIN, INT32_MIN, 2672521, 2808738, 2938615, 3065289, 3998502, 4313527, 4000004, 4203983, 4398469, 4588158,
+    INT32_MIN, INT32_MIN
 };
 
 uint16_t echocal_selftest(void)

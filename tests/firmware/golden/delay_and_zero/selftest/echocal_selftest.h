@@ -16,10 +16,10 @@ extern "C" {
 #endif
 
 /** Return value of echocal_output_hash() if every output is as proven. */
-#define ECHOCAL_OUTPUT_HASH 0xA91BD802U
+#define ECHOCAL_OUTPUT_HASH 0x21C61802U
 
 /**
- * @brief Compare 25 outputs with their proven values. Inputs out of range are included.
+ * @brief Compare 26 outputs with their proven values. Inputs out of range are included.
  *
  * @return 0 if all outputs are equal, otherwise the number of the first different one, counted from 1
  */
