@@ -74,9 +74,7 @@ def test_each_echo_code_has_its_status(name: str, tmp_path: Path) -> None:
     statuses = packed.status(echo, code)
     assert (statuses == expected(packed, echo, code)).all()
     assert (said[:, 0] == statuses).all()
-    assert (said[:, 1] == (statuses == OK)).all(), (
-        "there is a distance where, and only where, the status is OK"
-    )
+    assert (said[:, 1] == (statuses == OK)).all(), "a distance where, and only where, the status is OK"
     assert ((packed.outputs(echo, code) != OUT_OF_RANGE) == (statuses == OK)).all()
     module = loaded(generated(name, "micropython"))
     some = slice(None, None, 37)
@@ -126,7 +124,7 @@ def test_the_selftest_tells_a_wrong_status(tmp_path: Path) -> None:
 
 
 def test_it_costs_nothing_where_it_is_not_called(tmp_path: Path) -> None:
-    """The function itself is what it was: pinned in silicon/test_silicon.py. Nothing else is in the object."""
+    """The function itself is pinned in silicon/test_silicon.py. Nothing else is in the object."""
     made("avr_polynomial").save(tmp_path)
     thing = tmp_path / "x.o"
     flags = ("-mmcu=atmega328p", "-Os", "-std=c99", "-c")
