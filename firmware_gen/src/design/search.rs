@@ -4,7 +4,7 @@ use super::request::{Design, Failure, Listen, Progress, Reachable, Request};
 use crate::error::Error;
 use crate::form::{Fit, Form, TEMPERATURE_FORMS, TWO_CONDITION_FORMS, Tail, reads_two};
 use crate::ir::{Builder, Program};
-use crate::prove::{Claim, Proof, prove};
+use crate::prove::{Claim, Proof, Straight, prove};
 use crate::reference::{Line, check_bounded, sample};
 use crate::target::Cost;
 use std::rc::Rc;
@@ -271,14 +271,21 @@ impl<'a> Search<'a> {
             STRIDE
         };
         let rows = self.picked.iter().zip(&self.lines).step_by(stride);
-        let errors = rows.flat_map(|(row, line)| {
+        let ends = self.request.device.echo.codes;
+        let errors = rows.map(|(row, line)| {
             let codes = self.request.device.codes(*row);
-            line.samples().map(move |(echo, truth)| {
-                let inputs: Vec<i64> = std::iter::once(echo).chain(codes.iter().copied()).collect();
-                program
-                    .evaluate(&inputs)
-                    .map_or(f64::INFINITY, |output| (output as f64 - truth).abs())
-            })
+            let straight = match Straight::of(program, &codes, (ends.minimum, ends.maximum)) {
+                Err(_) => return f64::INFINITY,
+                Ok(straight) => straight,
+            };
+            let output = |echo: i64| match straight {
+                Some(straight) => Some(i64::from(straight.output(echo))),
+                None => program.evaluate(&[&[echo], &codes[..]].concat()).ok(),
+            };
+            let errors = line.samples().map(|(echo, truth)| {
+                output(echo).map_or(f64::INFINITY, |output| (output as f64 - truth).abs())
+            });
+            errors.fold(0.0, f64::max)
         });
         errors.fold(0.0, f64::max)
     }

@@ -1,12 +1,13 @@
-//! A row of echo times at the speed of additions, where the program itself shows that it can be had: at fixed conditions
+//! The output over a row of echo times as one line, where the program itself shows that it is one: at fixed conditions
 //! each step of most programs is a straight line in the echo time, or one such line cut off. Lines are monotone, so what
-//! every step claims holds at all echo codes if it holds at the first and the last; every output is still computed.
+//! every step claims holds at all echo codes if it holds at the first and the last, and the output never falls.
 
-use crate::ir::{LANES, Operation, Overflow, Program, Value};
+use crate::ir::{Operation, Overflow, Program, Value};
+use crate::types::Range;
 
 /// The output `(start + slope * echo) >> bits`, and `after` on top of it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Straight {
+pub(crate) struct Straight {
     start: i64,
     slope: i64,
     bits: u32,
@@ -82,7 +83,7 @@ impl Straight {
 
     /// The output of `program` at these conditions, its claims checked at the `first` and the `last` echo code; nothing
     /// if it is not such a line, rising.
-    pub(super) fn of(
+    pub(crate) fn of(
         program: &Program,
         conditions: &[i64],
         (first, last): (i64, i64),
@@ -124,21 +125,50 @@ impl Straight {
         (line >> self.bits).checked_add(self.after)
     }
 
-    /// Outputs for the echo codes from `first`.
-    pub(super) fn fill(self, first: i64, outputs: &mut [i32; LANES]) {
-        let start = self.slope * first + self.start;
-        let end = start + self.slope * LANES as i64;
-        if start >= 0 && end <= i64::from(u32::MAX) {
-            let (start, slope, after) = (start as u32, self.slope as u32, self.after as i32);
-            for (lane, output) in outputs.iter_mut().enumerate() {
-                let line = slope.wrapping_mul(lane as u32).wrapping_add(start);
-                *output = ((line >> self.bits) as i32).wrapping_add(after);
-            }
-        } else {
-            for (lane, output) in outputs.iter_mut().enumerate() {
-                let line = start + self.slope * lane as i64;
-                *output = ((line >> self.bits) + self.after) as i32;
-            }
-        }
+    /// The output at an echo code between the two that were checked.
+    pub(crate) fn output(self, echo: i64) -> i32 {
+        ((self.start_at(echo) >> self.bits) + self.after) as i32
+    }
+
+    /// The line at an echo code, before anything is cut off.
+    pub(super) fn start_at(self, echo: i64) -> i64 {
+        self.slope * echo + self.start
+    }
+
+    /// The same \[unit\].
+    pub(super) fn line_at(self, echo: i64) -> f64 {
+        self.start_at(echo) as f64 / self.unit() + self.after as f64
+    }
+
+    /// Growth of the line per echo code \[unit\].
+    pub(super) fn growth(self) -> f64 {
+        self.slope as f64 / self.unit()
+    }
+
+    /// The most that is cut off \[unit\].
+    pub(super) fn cut_off(self) -> f64 {
+        1.0 - self.unit().recip()
+    }
+
+    fn unit(self) -> f64 {
+        f64::from(self.bits).exp2()
+    }
+
+    /// Whether the line is a natural number of 32 bits at all `codes`, and one code further.
+    pub(super) fn fits_word(self, codes: Range) -> bool {
+        let end = self.start_at(codes.maximum).checked_add(self.slope);
+        self.start_at(codes.minimum) >= 0 && end.is_some_and(|end| end <= i64::from(u32::MAX))
+    }
+
+    pub(super) const fn bits(self) -> u32 {
+        self.bits
+    }
+
+    pub(super) const fn slope(self) -> i64 {
+        self.slope
+    }
+
+    pub(super) const fn after(self) -> i64 {
+        self.after
     }
 }
