@@ -35,7 +35,7 @@ pub mod target;
 pub mod types;
 
 pub use design::{Design, Failure, Progress, Reachable, Request, design};
-pub use device::{Axis, Device};
+pub use device::{Axis, Device, Status};
 pub use emit::{Measurement, Package, Provenance, emit};
 pub use error::Error;
 pub use output::Output;
