@@ -22,7 +22,7 @@ LAYERS = (
     {"domain", "air", "registry"},
     {"model"},
     {"observations", "waveforms"},
-    {"sweep", "calibrate", "engines"},
+    {"sweep", "calibrate", "engines", "budget"},
     {"virtual_bench", "correct"},
     {"diagnose", "silicon", "echoes", "verify"},
     {"panels"},
