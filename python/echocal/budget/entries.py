@@ -4,7 +4,7 @@ Law of propagation of uncertainty, JCGM 100:2008, 5.1.2 and 5.2.2; effective deg
 """
 
 import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from math import inf
 
@@ -23,7 +23,7 @@ from echocal.observations.correction import base_indication, corrected_distance
 from echocal.quantities import DEFAULTS, FROM_THERMOMETERS, QUANTITIES
 from echocal.registry import find_effect
 
-__all__ = ["Entry", "Itemized", "conditions_of", "itemized", "shifted_values"]
+__all__ = ["Entry", "Itemized", "conditions_of", "itemized", "values_of"]
 
 Column = NDArray[np.float64]
 
@@ -81,10 +81,12 @@ class Itemized:
     Examples
     --------
     >>> one = np.ones(1)
-    >>> own = [Entry("a", "a", "A", "t", 3.0 * one, "m", one, 9.0), Entry("b", "b", "B", "normal", 4.0 * one, "m", one)]
-    >>> both = Itemized(tuple(own))
-    >>> both.standard_uncertainty.item(), round(both.degrees_of_freedom.item(), 2), both.shares[0].round(2).tolist()
-    (5.0, 69.44, [0.36, 0.64])
+    >>> first = Entry("a", "a", "A", "t", 3.0 * one, "m", one, 9.0)
+    >>> both = Itemized((first, Entry("b", "b", "B", "normal", 4.0 * one, "m", one)))
+    >>> both.standard_uncertainty.item(), round(both.degrees_of_freedom.item(), 2)
+    (5.0, 69.44)
+    >>> both.shares[0].round(2).tolist()
+    [0.36, 0.64]
     """
 
     entries: tuple[Entry, ...]
@@ -108,7 +110,7 @@ class Itemized:
     @property
     def standard_uncertainty(self) -> Column:
         """Combined standard uncertainty, shape (n,) [m]."""
-        return np.sqrt(np.maximum(self.products.sum(axis=-1), 0.0))
+        return np.asarray(np.sqrt(np.maximum(self.products.sum(axis=-1), 0.0)))
 
     @property
     def shares(self) -> Column:
@@ -202,7 +204,9 @@ def _of_model(
         ]  # fmt: skip
     if model.shape is not None:
         words = "term without a cause, or smooth correction"
-        entries.append(Entry("shape", words, "A", "normal", found.shape * one, "m", one, inf, "shape", "model"))
+        entries.append(
+            Entry("shape", words, "A", "normal", found.shape * one, "m", one, inf, "shape", "model")
+        )
     if residual is not None:
         words = "repeatability, and what the model leaves unexplained"
         origin = f"{residual.rows} rows, {residual.scheme}" if residual.rows else "model"
@@ -248,7 +252,7 @@ def _of_source(
     found = []
     for quantity in names:
         if quantity in model.reads:
-            recorded = shifted_values(observations, model, quantity)
+            recorded = values_of(observations, model, quantity)
             if recorded is not None:
                 size = source.standard_uncertainty(np.where(np.isnan(distance), np.nan, recorded))
                 slope = _slope(observations, model, quantity, recorded, size)
@@ -256,7 +260,7 @@ def _of_source(
     return found
 
 
-def shifted_values(observations: Observations, model: Model, quantity: str) -> Column | None:
+def values_of(observations: Observations, model: Model, quantity: str) -> Column | None:
     """Recorded or assumed values of a quantity, shape (n,); None where it has none."""
     if quantity in model.columns:
         return observations.thermometers[model.columns[quantity]]
@@ -266,10 +270,8 @@ def shifted_values(observations: Observations, model: Model, quantity: str) -> C
     return None if value is None else np.full(len(observations), value)
 
 
-def _slope(
-    observations: Observations, model: Model, quantity: str, recorded: Column, size: Column
-) -> Column:
-    """Change of the distance with a quantity, between one standard uncertainty above and below [m per unit]."""
+def _slope(observations: Observations, model: Model, quantity: str, recorded: Column, size: Column) -> Column:
+    """Change of the distance with a quantity, over one standard uncertainty to either side [m per unit]."""
     low, high = QUANTITIES[quantity].possible
     above, below = np.minimum(recorded + size, high), np.maximum(recorded - size, low)
     far, near = (
@@ -285,5 +287,3 @@ def _with(
     if quantity in columns:
         return replace(observations, thermometers={**observations.thermometers, columns[quantity]: values})
     return replace(observations, conditions={**observations.conditions, quantity: values})
-
-

@@ -91,9 +91,7 @@ INSTRUMENTS: Mapping[str, Mapping[str, Limits]] = {
         for one in (
             _thermometer("DHT22", _DHT, 0.1, (-40.0, 80.0, 0.5)),
             _thermometer("DHT11", _DHT11, 1.0, (0.0, 50.0, 2.0)),
-            _thermometer(
-                "DS18B20", _DS, 0.0625, (-10.0, 85.0, 0.5), (-55.0, 125.0, 2.0)
-            ),
+            _thermometer("DS18B20", _DS, 0.0625, (-10.0, 85.0, 0.5), (-55.0, 125.0, 2.0)),
             _thermometer("LM35", _LM35, 0.0, (-55.0, 150.0, 1.5)),
             _thermometer("LM35A", _LM35, 0.0, (-55.0, 150.0, 1.0)),
             _thermometer("TMP36", _TMP36, 0.0, (-40.0, 125.0, 4.0)),

@@ -1,6 +1,7 @@
 """How far the law of a model may be from the speed of sound in true air."""
 
 import warnings
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,8 +18,8 @@ Column = NDArray[np.float64]
 _CRAMER = 300e-6
 """Cramer 1993, doi:10.1121/1.405827: 300 ppm."""
 _VIRIAL = 110e-6
-"""Of `virial` up to a mole fraction of water of 0.06: 43 ppm from two formulations of moist air, and these 65 ppm
-from each other (docs/physics.md)."""
+"""Of `virial` up to a mole fraction of water of 0.06: 43 ppm from two formulations of moist air, and these
+65 ppm from each other (docs/physics.md)."""
 _HUMIDITIES = (0.0, 0.5, 1.0)
 """Where none is recorded."""
 _CARRIER = 40e3  # Hz
@@ -33,7 +34,7 @@ def published(model: Model, given: dict[str, Column], count: int) -> tuple[Sourc
     uncertainty of `virial` in addition. At 40 kHz sound is faster than the laws say, if the model has no
     `dispersion`: this is part of the difference.
     """
-    air = {name: given[name] for name in _READ if name in given}
+    air: dict[str, Any] = {name: given[name] for name in _READ if name in given}
     air = {**{name: own for name, own in model.air.items() if name in _READ}, **air}
     humid = given.get("relative_humidity", model.air.get("relative_humidity"))
     frequency = 0.0 if "dispersion" in model.effects else _CARRIER
@@ -51,4 +52,3 @@ def published(model: Model, given: dict[str, Column], count: int) -> tuple[Sourc
         half = np.maximum(half, _CRAMER)
         words = f"Cramer 1993: 300 ppm, or where it is more, the {words}"
     return of_law(0.0, words), np.broadcast_to(half, (count,))
-

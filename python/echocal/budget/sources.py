@@ -60,7 +60,9 @@ class Source:
         elif self.tape:
             constant, slope = TAPES[self.tape]
             size = constant + slope * np.ceil(values)
-        return np.broadcast_to(size / (_RECTANGULAR if self.distribution == "rectangular" else 1.0), values.shape)
+        return np.broadcast_to(
+            size / (_RECTANGULAR if self.distribution == "rectangular" else 1.0), values.shape
+        )
 
 
 def of_instrument(limits: Limits) -> list[Source]:

@@ -17,7 +17,10 @@ __all__ = ["PUBLISHED", "Uncertainties"]
 PUBLISHED = {"law": "published"}
 """What stands for the published uncertainty of the model's law."""
 
-_STEPS = {"timer_us": ("echo_time", "timer, resolution", 1e-6), "timer_ms": ("echo_time", "timer, resolution", 1e-3)}
+_STEPS = {
+    "timer_us": ("echo_time", "timer, resolution", 1e-6),
+    "timer_ms": ("echo_time", "timer, resolution", 1e-3),
+}
 _STEPS |= {
     f"resolution_{unit}": ("reading", "reading, resolution", size)
     for unit, size in (("mm", 1e-3), ("cm", 1e-2), ("m", 1.0))

@@ -58,11 +58,10 @@ class Parts:
     @property
     def variance(self) -> Values:
         """Square of the combined standard uncertainty [m^2]."""
-        found = self.shape**2 + self.residual**2
+        found: Any = self.shape**2 + self.residual**2
         if self.sensitivities is not None:
-            found = found + np.einsum(
-                "...i,ij,...j->...", self.sensitivities, self.covariance, self.sensitivities
-            )
+            g: Any = self.sensitivities
+            found = found + np.einsum("...i,ij,...j->...", g, np.asarray(self.covariance), g)
         return np.asarray(found)
 
 
