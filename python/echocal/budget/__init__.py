@@ -110,7 +110,7 @@ def budget(
     if not found.entries:
         message = f"nothing is known of any uncertainty; state some with {keyword('uncertainties')}"
         raise DataError(message)
-    places = _places(distance) if trials else np.zeros(0, dtype=np.int64)
+    places = _places(distance, found.standard_uncertainty) if trials else np.zeros(0, dtype=np.int64)
     drawn = _simulated(rows, model, stated, places, int(trials), probability, seed) if trials else None
     return Budget(
         distance=distance,
@@ -134,13 +134,14 @@ def complete(model: Model, uncertainties: Any, conditions: dict[str, float]) -> 
     return replace(own, stated={**conditions, **own.stated}, instruments=instruments)
 
 
-def _places(distance: NDArray[np.float64]) -> NDArray[np.int64]:
-    """Rows to simulate: all, or some of them evenly over the distances."""
+def _places(distance: NDArray[np.float64], u: NDArray[np.float64]) -> NDArray[np.int64]:
+    """Rows to simulate: all, or the most uncertain one and others evenly over the distances."""
     known = np.flatnonzero(np.isfinite(distance))
     if len(known) <= _DRAWN_ROWS:
         return known
     ordered = known[np.argsort(distance[known], kind="stable")]
-    return np.sort(ordered[np.linspace(0, len(ordered) - 1, _DRAWN_ROWS).astype(int)])
+    evenly = ordered[np.linspace(0, len(ordered) - 1, _DRAWN_ROWS).astype(int)]
+    return np.union1d(evenly, [known[int(np.argmax(u[known]))]])
 
 
 def _simulated(
@@ -176,7 +177,8 @@ def _notes(
             "what the rows of the model showed of its thermometer, timer and law is in its repeatability; "
             "state only what is new"
         )
-        outside = (distance < residual.low) | (distance > residual.high)
+        far = 3.0 * found.standard_uncertainty
+        outside = (distance + far < residual.low) | (distance - far > residual.high)
         if residual.rows and outside.any():
             notes.append(
                 f"{int(outside.sum())} distances are outside of {residual.low:.3g} to {residual.high:.3g} m, "

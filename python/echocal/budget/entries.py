@@ -135,6 +135,14 @@ class Itemized:
         with np.errstate(divide="ignore", invalid="ignore"):
             return np.where(below > 0.0, products.sum(axis=-1) ** 2 / below, inf)
 
+    def rows(self, places: NDArray[np.int64]) -> "Itemized":
+        """The budgets of some rows."""
+        kept = [
+            replace(e, standard_uncertainty=e.standard_uncertainty[places], sensitivity=e.sensitivity[places])
+            for e in self.entries
+        ]
+        return Itemized(tuple(kept), self.correlation)
+
     def only(self, *groups: str) -> "Itemized":
         """The entries of some groups."""
         kept = tuple(entry for entry in self.entries if entry.group in groups)

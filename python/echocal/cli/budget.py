@@ -11,7 +11,7 @@ from echocal.budget import TRIALS, Budget, budget
 from echocal.budget.coverage import COVERAGE
 from echocal.cli import _made_by
 from echocal.cli._console import Console
-from echocal.cli._models import Effects, model_of
+from echocal.cli._models import Effects, Uncertain, model_of
 from echocal.cli._outputs import Force, Output, check_outputs
 from echocal.cli._tables import (
     AS_IT_IS,
@@ -38,15 +38,7 @@ def command(
     data: Annotated[
         Path | None, typer.Argument(metavar="[DATA]", help="Table of readings; default: a grid.")
     ] = None,
-    uncertainties: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--uncertainty",
-            metavar="NAME=U",
-            help="What is known of an input: temperature_C=0.5, echo_us=2, thermometer=DHT22, "
-            "hygrometer=SHT31, barometer=BME280, tape=II, timer_us=4, resolution_mm=10, law_ppm=300.",
-        ),
-    ] = None,
+    uncertainties: Uncertain = None,
     law: Annotated[
         str | None, typer.Option(help="Law or expression, in place of a model; default cramer.")
     ] = None,

@@ -12,12 +12,13 @@ from echocal.budget.rounding import plus_minus
 from echocal.budget.sources import LAW
 from echocal.quantities import QUANTITIES
 
-__all__ = ["HEADS", "conditions_text", "lines", "print_budget", "result_text"]
+__all__ = ["HEADS", "conditions_at", "conditions_text", "lines", "print_budget", "result_text"]
 
 HEADS = ("source", "type", "u(x)", "sensitivity", "u(d) [mm]", "ν", "share")
 """Source, type and distribution, standard uncertainty of the input, sensitivity coefficient, contribution,
 degrees of freedom, part of the variance."""
 _MOST = 12  # rows that are listed
+_MANY = 1000  # degrees of freedom: k differs from that of infinitely many by 0.1 %
 _SCALES = {"s": (1e6, "µs"), "m": (1e3, "mm"), "degC": (1.0, "K")}
 _LAW = (1e6, "ppm")
 
@@ -86,19 +87,25 @@ def _slope(entry: Entry, row: int) -> str:
 
 def conditions_text(budget: Budget, row: int) -> str:
     """Distance and conditions of a row."""
-    found = [f"{budget.distance[row]:.4g} m"]
+    shown = [f"{QUANTITIES[name].words} {text}" for name, text in conditions_at(budget, row).items()]
+    return ", ".join([f"{budget.distance[row]:.4g} m", *shown])
+
+
+def conditions_at(budget: Budget, row: int) -> dict[str, str]:
+    """Recorded conditions of a row by name, as people read them."""
+    found = {}
     for name, values in budget.conditions.items():
         facts = QUANTITIES[name]
         if facts.derived_from is None and not facts.runs_on and np.isfinite(values[row]):
-            found.append(f"{facts.words} {values[row] * facts.shown.factor:.4g} {facts.shown.unit}".rstrip())
-    return ", ".join(found)
+            found[name] = f"{values[row] * facts.shown.factor:.4g} {facts.shown.unit}".rstrip()
+    return found
 
 
 def result_text(budget: Budget, row: int) -> list[str]:
     """The result of a row in sentences."""
     u, k = budget.standard_uncertainty[row], budget.coverage_factor[row]
     degrees = budget.degrees_of_freedom[row]
-    effective = "infinitely many" if np.isinf(degrees) else f"{degrees:.0f}"
+    effective = f"{degrees:.0f}" if degrees < _MANY else f"more than {_MANY}"
     distance, expanded = 1e3 * budget.distance[row], 1e3 * budget.expanded_uncertainty[row]
     found = [
         f"combined standard uncertainty {1e3 * u:.3g} mm; {effective} effective degrees of freedom; "
