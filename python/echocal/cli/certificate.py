@@ -58,7 +58,15 @@ def command(
             coverage=coverage,
         )
     made = command_line(
-        "certificate", model.name, data.name, uncertainty=uncertainties, mpe_mm=mpe_mm, device=device or None
+        "certificate",
+        model.name,
+        data.name,
+        out=out.name,
+        uncertainty=uncertainties,
+        mpe_mm=mpe_mm,
+        device=device or None,
+        issued_by=issued_by or None,
+        coverage=None if coverage == COVERAGE else coverage,
     )
     identification = {
         "device": device or "not stated",

@@ -20,7 +20,7 @@ from echocal.observations import Observations
 from echocal.outputs import replace_text, replacing
 from echocal.quantities import QUANTITIES
 from echocal.registry import find_effect
-from echocal.report.budget import HEADS, conditions_text, lines, result_text
+from echocal.report.budget import HEADS, conditions_at, conditions_text, lines, result_text
 from echocal.report.html.document import rendered
 
 __all__ = ["Certificate", "certificate_page", "certify", "refuse_ending", "save_certificate"]
@@ -259,11 +259,13 @@ def _parameters(model: Model) -> dict[str, str]:
 
 
 def _heads(own: Certificate) -> list[str]:
-    heads = ["rows", "conditions", "corrected distance and U [mm]", "k"]
+    names = {name for row in own.rows for name in conditions_at(own.budget, int(row))}
+    ordered = [facts.words for name, facts in QUANTITIES.items() if name in names]
+    heads = ["row", "rows", ", ".join(ordered) or "conditions", "corrected distance and U [mm]", "k"]
     return [
         *heads,
         *(["largest error and U [mm]"] if own.measured else []),
-        "probability of conformity",
+        "probability",
         "decision",
     ]
 
@@ -276,8 +278,9 @@ def _results(own: Certificate) -> list[list[str]]:
         worst = places[int(np.lexsort((judged.probability[places], -judged.decision[places]))[0])]
         row = int(own.rows[worst])
         line = [
-            f"{row + 1}" if len(places) == 1 else f"{row + 1} of {len(places)}",
-            conditions_text(own.budget, row).partition(", ")[2],
+            str(row + 1),
+            str(len(places)),
+            ", ".join(conditions_at(own.budget, row).values()),
             plus_minus(1e3 * own.budget.distance[row], 1e3 * own.budget.expanded_uncertainty[row]),
             f"{own.budget.coverage_factor[row]:.2f}",
         ]
