@@ -5,7 +5,7 @@ import math
 __all__ = ["concise", "exponent_of", "plus_minus", "rounded_up"]
 
 _CUT = 0.01
-"""Part of an uncertainty that rounding may cut off: between 28.05 -> 28 and 10.47 -> 11 of 7.2.6."""
+"""Part of an uncertainty that rounding may cut off: 7.2.6 has 28.05 -> 28 (0.2 %) and 10.47 -> 11 (4 %)."""
 
 
 def exponent_of(uncertainty: float, digits: int = 2) -> int:
@@ -22,7 +22,7 @@ def exponent_of(uncertainty: float, digits: int = 2) -> int:
 def rounded_up(uncertainty: float, digits: int = 2) -> tuple[float, int]:
     """An uncertainty with so many significant digits, and the power of ten of the last one.
 
-    It is rounded up, except where less than 1 % is cut off.
+    It is rounded to the nearest, but up where this would cut off more than 1 %.
 
     Examples
     --------
@@ -31,7 +31,7 @@ def rounded_up(uncertainty: float, digits: int = 2) -> tuple[float, int]:
     """
     exponent = exponent_of(uncertainty, digits)
     steps = uncertainty / 10.0**exponent
-    whole = math.floor(steps + 1e-9)
+    whole = round(steps)
     if steps - whole > _CUT * steps:
         whole += 1
     if whole >= 10**digits:

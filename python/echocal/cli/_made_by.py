@@ -13,7 +13,7 @@ from echocal.checksums import CHECKSUMS, listed, unedited
 from echocal.model import Model, document
 
 __all__ = ["Recognize", "causes", "firmware", "model", "page", "picture", "result"]
-__all__ += ["report", "sensor_model", "sheet", "sign", "table", "verdicts"]
+__all__ += ["report", "sensor_model", "sign", "table", "verdicts"]
 
 Recognize = Callable[[Path], bool]
 """Tells of an existing file whether it is a former output of the same kind."""
@@ -135,13 +135,6 @@ def report(command: str) -> Recognize:
     """A page of HTML that names the command as its maker."""
     maker = f'<meta name="generator" content="echocal {command} '.encode()
     return _tried(lambda file: maker in file.read_bytes()[:2000])
-
-
-def sheet() -> Recognize:
-    """A PDF of a certificate, by the title that it was given."""
-    return _tried(
-        lambda file: file.read_bytes().startswith(b"%PDF") and b"echocal: certificate" in file.read_bytes()
-    )
 
 
 def firmware(folder: Path) -> Recognize:

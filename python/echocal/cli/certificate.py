@@ -37,8 +37,9 @@ def command(
     from echocal.report.html.certificate import certify, refuse_ending, save_certificate, sha256_of
 
     refuse_ending(out)
+    known = _made_by.report if out.suffix.lower() == ".html" else _made_by.picture
     check_outputs(
-        Output("--out", out, _made_by.report("certificate") if out.suffix == ".html" else _made_by.sheet()),
+        Output("--out", out, known("certificate")),
         Output("--json", json, _made_by.result("echocal.budget")),
         inputs=[model, data, *reading.files],
         force=force,

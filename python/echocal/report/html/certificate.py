@@ -191,7 +191,9 @@ def save_certificate(
     from weasyprint import HTML
 
     with replacing(path) as new:
-        HTML(string=page).write_pdf(str(new))
+        HTML(string=page).write_pdf(
+            str(new), pdf_version="1.4"
+        )  # its maker can be read in it: `echocal.cli._made_by`
 
 
 def refuse_ending(path: Path) -> None:
