@@ -3,6 +3,7 @@
 import json
 from pathlib import Path
 
+import budget_page
 import numpy as np
 import pandas as pd
 import pytest
@@ -303,6 +304,11 @@ def test_a_verification_keeps_a_guard_band() -> None:
         table, maximum_permissible_error=3e-3, model=device(), uncertainties={"tape": "II"}
     )
     assert corrected.guard_band == guarded.guard_band
+
+
+def test_the_page_is_fresh() -> None:
+    text = budget_page.PAGE.read_text(encoding="utf-8")
+    assert budget_page.replaced(text) == text, "run: python tests/reference/budget_page.py --write"
 
 
 def test_the_command(tmp_path: Path) -> None:

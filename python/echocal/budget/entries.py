@@ -205,7 +205,7 @@ def _of_model(
         units = [p.unit for id_ in model.effects for p in find_effect(id_).parameters]
         entries = [
             Entry(
-                model.parameter_names[i], f"{model.parameter_names[i]}, fitted", "A", "t", size * one,
+                model.parameter_names[i], model.parameter_names[i], "A", "t", size * one,
                 units[i], found.sensitivities[:, i], degrees, "parameters", "covariance of the model",
             )
             for i, size in zip(uncertain, scale.tolist(), strict=True)
@@ -216,7 +216,7 @@ def _of_model(
             Entry("shape", words, "A", "normal", found.shape * one, "m", one, inf, "shape", "model")
         )
     if residual is not None:
-        words = "repeatability, and what the model leaves unexplained"
+        words = "repeatability and unexplained remainder"
         origin = f"{residual.rows} rows, {residual.scheme}" if residual.rows else "model"
         size = found.residual * one
         entries.append(Entry("distance", words, "A", "t", size, "m", one, degrees, "residual", origin))

@@ -1,5 +1,7 @@
 """An uncertainty budget on the terminal."""
 
+from collections.abc import Iterable
+
 import numpy as np
 from rich.box import SIMPLE_HEAD
 from rich.console import Console
@@ -12,7 +14,15 @@ from echocal.budget.rounding import plus_minus
 from echocal.budget.sources import LAW
 from echocal.quantities import QUANTITIES
 
-__all__ = ["HEADS", "conditions_at", "conditions_text", "lines", "print_budget", "result_text"]
+__all__ = [
+    "HEADS",
+    "conditions_at",
+    "conditions_head",
+    "conditions_text",
+    "lines",
+    "print_budget",
+    "result_text",
+]
 
 HEADS = ("source", "type", "u(x)", "sensitivity", "u(d) [mm]", "ν", "share")
 """Source, type and distribution, standard uncertainty of the input, sensitivity coefficient, contribution,
@@ -34,7 +44,9 @@ def print_budget(budget: Budget, row: int, console: Console) -> None:
     console : rich.console.Console
     """
     title = f"budget of row {budget.row[row]}: {conditions_text(budget, row)}"
-    table = Table(*HEADS, title=title, box=SIMPLE_HEAD, padding=(0, 1, 0, 0), title_justify="left")
+    table = Table(title=title, box=SIMPLE_HEAD, padding=(0, 1, 0, 0), title_justify="left")
+    for head in HEADS:
+        table.add_column(head, overflow="fold")
     for line in lines(budget, row):
         table.add_row(*line)
     console.print(table)
@@ -124,27 +136,26 @@ def result_text(budget: Budget, row: int) -> list[str]:
     return found
 
 
+def conditions_head(budget: Budget, rows: Iterable[int]) -> str:
+    """Names of the conditions that `conditions_at` has of some rows."""
+    names = {name for row in rows for name in conditions_at(budget, row)}
+    ordered = [facts.words for name, facts in QUANTITIES.items() if name in names]
+    return ", ".join(ordered) or "conditions"
+
+
 def _others(budget: Budget) -> Table:
-    shown = np.unique(np.linspace(0, len(budget.distance) - 1, _MOST).astype(int))
+    shown = np.unique(np.linspace(0, len(budget.distance) - 1, _MOST).astype(int)).tolist()
     more = f" ({len(shown)} of {len(budget.distance)} rows)" if len(shown) < len(budget.distance) else ""
-    table = Table(
-        "row",
-        "conditions",
-        "result [mm]",
-        "k",
-        "largest source",
-        title=f"results{more}",
-        box=SIMPLE_HEAD,
-        padding=(0, 1, 0, 0),
-        title_justify="left",
-    )
+    heads = ("row", conditions_head(budget, shown), "result [mm]", "k", "largest source")
+    plain = {"box": SIMPLE_HEAD, "padding": (0, 1, 0, 0), "title_justify": "left"}
+    table = Table(*heads, title=f"results{more}", **plain)  # type: ignore[arg-type]
     shares = budget.itemized.shares
-    for row in shown.tolist():
+    for row in shown:
         if not np.isfinite(budget.distance[row]):
             table.add_row(str(budget.row[row]), "", "no distance", "", "")
             continue
         largest = budget.entries[int(np.argmax(shares[row]))].words
         result = plus_minus(1e3 * budget.distance[row], 1e3 * budget.expanded_uncertainty[row])
-        where = conditions_text(budget, row)
+        where = ", ".join(conditions_at(budget, row).values())
         table.add_row(str(budget.row[row]), where, result, f"{budget.coverage_factor[row]:.2f}", largest)
     return table

@@ -20,7 +20,7 @@ from echocal.observations import Observations
 from echocal.outputs import replace_text, replacing
 from echocal.quantities import QUANTITIES
 from echocal.registry import find_effect
-from echocal.report.budget import HEADS, conditions_at, conditions_text, lines, result_text
+from echocal.report.budget import HEADS, conditions_at, conditions_head, conditions_text, lines, result_text
 from echocal.report.html.document import rendered
 
 __all__ = ["Certificate", "certificate_page", "certify", "refuse_ending", "save_certificate"]
@@ -261,9 +261,8 @@ def _parameters(model: Model) -> dict[str, str]:
 
 
 def _heads(own: Certificate) -> list[str]:
-    names = {name for row in own.rows for name in conditions_at(own.budget, int(row))}
-    ordered = [facts.words for name, facts in QUANTITIES.items() if name in names]
-    heads = ["row", "rows", ", ".join(ordered) or "conditions", "corrected distance and U [mm]", "k"]
+    conditions = conditions_head(own.budget, own.rows.tolist())
+    heads = ["row", "rows", conditions, "corrected distance and U [mm]", "k"]
     return [
         *heads,
         *(["largest error and U [mm]"] if own.measured else []),
