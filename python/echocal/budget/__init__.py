@@ -82,7 +82,7 @@ def budget(
     Examples
     --------
     >>> import echocal
-    >>> table = {"echo_us": [5846.0, 11670.0], "temperature_C": [20.0, 21.0]}
+    >>> table = {"echo_us": [5846, 11670], "temperature_C": [20, 21], "humidity_percent": [50, 50]}
     >>> stated = {"thermometer": "DHT22", "timer_us": 4}
     >>> found = echocal.budget("cramer", table, uncertainties=stated)
     >>> [entry.words for entry in found.entries][0]

@@ -94,6 +94,7 @@ INSTRUMENTS: Mapping[str, Mapping[str, Limits]] = {
             _thermometer("DS18B20", _DS, 0.0625, (-10.0, 85.0, 0.5), (-55.0, 125.0, 2.0)),
             _thermometer("LM35", _LM35, 0.0, (-55.0, 150.0, 1.5)),
             _thermometer("LM35A", _LM35, 0.0, (-55.0, 150.0, 1.0)),
+            _thermometer("LM35D", _LM35, 0.0, (0.0, 100.0, 2.0)),
             _thermometer("TMP36", _TMP36, 0.0, (-40.0, 125.0, 4.0)),
             _thermometer("SHT31", _SHT3, 0.01, (0.0, 90.0, 0.2)),
             _thermometer("SHT40", _SHT4, 0.01, (0.0, 60.0, 0.2)),

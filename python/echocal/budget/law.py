@@ -1,6 +1,7 @@
 """How far the law of a model may be from the speed of sound in true air."""
 
 import warnings
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -51,4 +52,5 @@ def published(model: Model, given: dict[str, Column], count: int) -> tuple[Sourc
     if model.law == "cramer":
         half = np.maximum(half, _CRAMER)
         words = f"Cramer 1993: 300 ppm, or where it is more, the {words}"
-    return of_law(0.0, words), np.broadcast_to(half, (count,))
+    law_words = "law of the speed of sound" + (", humidity not recorded" if humid is None else "")
+    return replace(of_law(0.0, words), words=law_words), np.broadcast_to(half, (count,))

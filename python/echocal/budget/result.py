@@ -43,10 +43,10 @@ class Budget(Shown):
     Examples
     --------
     >>> import echocal
-    >>> stated = {"thermometer": "DHT22", "timer_us": 4}
-    >>> found = echocal.budget(echocal.Model("cramer"), distance=2.0, temperature=20.0, uncertainties=stated)
-    >>> round(1e3 * found.standard_uncertainty[0], 2), round(found.coverage_factor[0], 2)
-    (1.15, 2.0)
+    >>> air, stated = {"temperature": 20.0, "relative_humidity": 0.5}, {"thermometer": "DHT22"}
+    >>> found = echocal.budget("cramer", distance=2.0, **air, uncertainties=stated)
+    >>> (1e3 * found.standard_uncertainty).round(2).tolist(), found.coverage_factor.round(2).tolist()
+    ([1.11], [2.0])
     """
 
     distance: Column

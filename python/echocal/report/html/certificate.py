@@ -103,7 +103,8 @@ def certify(
     Examples
     --------
     >>> import echocal
-    >>> table = echocal.read_observations({"echo_us": [5846.0], "temperature_C": [20.0]})
+    >>> row = {"echo_us": [5846.0], "temperature_C": [20.0], "humidity_percent": [50.0]}
+    >>> table = echocal.read_observations(row)
     >>> stated = {"thermometer": "DHT22", "reading_mm": 0.5, "echo_us": 1.0}
     >>> found = certify(echocal.Model("cramer"), table, maximum_permissible_error=3e-3, uncertainties=stated)
     >>> found.decision
