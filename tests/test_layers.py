@@ -23,6 +23,7 @@ LAYERS = (
     {"model"},
     {"observations", "waveforms"},
     {"sweep", "calibrate", "engines"},
+    {"budget"},
     {"virtual_bench", "correct"},
     {"diagnose", "silicon", "echoes", "verify", "generated"},
     {"panels"},
