@@ -76,6 +76,13 @@ TimeFormat: TypeAlias = Annotated[
     ),
 ]
 Sheet: TypeAlias = Annotated[str | None, typer.Option(metavar="NAME", help="Sheet of a spreadsheet.")]
+MountHeight: TypeAlias = Annotated[
+    float | None,
+    typer.Option(
+        metavar="M",
+        help="Height of the sensor above the zero of a level, in m, with --column NAME=level_m; else fitted.",
+    ),
+]
 Encoding: TypeAlias = Annotated[str, typer.Option(help="Encoding of a text file.")]
 SpreadsheetSafe: TypeAlias = Annotated[
     bool,
@@ -105,6 +112,7 @@ _FLAGS = {
     "at": At,
     "time_format": TimeFormat,
     "sheet": Sheet,
+    "mount_height": MountHeight,
     "options": Options,
 }
 """Flags of every command that reads a table."""

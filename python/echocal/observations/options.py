@@ -7,6 +7,7 @@ from typing import Any
 
 from echocal.errors import UsageError
 from echocal.observations.layout import Layout
+from echocal.observations.mount import mounted
 from echocal.observations.plan import read_columns
 
 __all__ = ["ReadOptions"]
@@ -44,14 +45,16 @@ class ReadOptions:
     time_format: str | None = None
     at: Mapping[str, Any] | None = None
     sheet: str | None = None
+    mount_height: float | None = None
     layout: Layout = field(init=False, repr=False, compare=False)
     """How a text file is written."""
     requests: dict[str, str] = field(init=False, repr=False, compare=False)
     """Meaning of columns, also where `columns` is a file."""
 
     def __post_init__(self) -> None:
+        height = None if self.mount_height is None else float(self.mount_height)
         speed = None if self.reading_speed is None else str(self.reading_speed)
-        requests = read_columns(self.columns)
+        requests = mounted(read_columns(self.columns), height)
         made = {
             "requests": requests,
             "columns": requests or None,
@@ -59,6 +62,7 @@ class ReadOptions:
             "missing": self.missing if isinstance(self.missing, Mapping | str) else _listed(self.missing),
             "trust": _names(self.trust),
             "at": {name: str(value) for name, value in (self.at or {}).items()} or None,
+            "mount_height": height,
             "layout": Layout(self.skip_lines, self.decimal, self.encoding),
         }
         for name, value in made.items():

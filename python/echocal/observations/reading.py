@@ -33,6 +33,7 @@ def read_observations(
     time_format: str | None = None,
     at: Mapping[str, Any] | None = None,
     sheet: str | None = None,
+    mount_height: float | None = None,
 ) -> Observations:
     """Read a table of echoes: check it, convert it to SI units, account for every row.
 
@@ -73,6 +74,10 @@ def read_observations(
         What follows ``+-`` is the standard uncertainty.
     sheet : str, optional
         Sheet of a spreadsheet; default: the first with a table.
+    mount_height : float, optional
+        Height of the sensor above the zero of a level [m], where a column holds one (``level_m``,
+        ``reference_level_m``): distance = mount height - level. Default: fitted, where the table has
+        distances, too.
 
     Returns
     -------
@@ -105,6 +110,7 @@ def read_observations(
     # slow import: only reading a table needs pandas
     from echocal.observations.assembly import Assembly
     from echocal.observations.at import conditions_at, sentences
+    from echocal.observations.level import fitted
     from echocal.observations.numbers import Missing
     from echocal.observations.plan import make
     from echocal.observations.source import load
@@ -121,18 +127,21 @@ def read_observations(
         time_format=time_format,
         at=at,
         sheet=sheet,
+        mount_height=mount_height,
     )
     table = load(source, how.layout, sheet=sheet)
     codes = Missing(missing)
     stated = conditions_at(how.at, table)
     codes.refuse_unknown(table.columns)
     requests, found, said = understood(table, how.requests)
+    requests, heights = fitted(table, requests, codes)
     planned = make(list(table.columns), requests, how.trust)
     trusted = {*how.trust, *found.sure}
     assembly = Assembly(table, planned, codes, trusted, time_zone, time_format=time_format)
-    assembly.notes += [*found.notes, *said]
+    assembly.notes += [*found.notes, *said, *heights]
     assembly.mark_corrupt(found.corrupt)
     observations = assembly.observations(reading_speed)
+    observations = replace(observations, mount_height_fitted=bool(heights))
     observations = _with_joins(observations, found.joined)
     if stated:
         observations = replace(observations, stated=stated, notes=(*observations.notes, *sentences(stated)))
