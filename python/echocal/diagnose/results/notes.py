@@ -33,7 +33,7 @@ def notes(
     steps: Sequence[LevelStep],
 ) -> tuple[str, ...]:
     """Tension with theory, refuted claims, level steps, and what these data cannot show."""
-    said = [*observations.notes, *case.remarks]
+    said = [case.moving, *observations.notes, *case.remarks]
     said += [_tension(case, cause, validation, stack) for cause in case.found.size_tangents]
     said += _temperature(validation)
     hidden = [cause for cause, reason in case.found.skipped.items() if reason == INVISIBLE]

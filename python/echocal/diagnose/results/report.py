@@ -60,7 +60,7 @@ def report(
     proposals: tuple[NextMeasurement, ...],
 ) -> Diagnosis:
     """Put the results together."""
-    word = verdict(ranking, selection, validation, joint, left)
+    word = "unknown" if case.moving else verdict(ranking, selection, validation, joint, left)
     term, noise = selection.term, selection.noise
     steps = steps_of(case.table, observations)
     fates = Fates.of(case.table, judge.held)

@@ -34,7 +34,7 @@ def step(table: pd.DataFrame, found: Found) -> tuple[pd.DataFrame, Found]:
     Examples
     --------
     >>> import pandas as pd
-    >>> table = pd.DataFrame({"Year": [2024], "Month": [5], "Day": [31], "Hour": [13], "Min": [45], "d": [1.2]})
+    >>> table = pd.DataFrame({"Year": [2024], "Month": [5], "Day": [31], "Hour": [13], "Min": [45]})
     >>> made, found = step(table, Found())
     >>> made["time"].astype(str).tolist(), found.notes
     (['2024-05-31 13:45:00'], ("'Year', 'Month', 'Day', 'Hour', 'Min' are read together as time",))
