@@ -14,7 +14,7 @@ from echocal.correct.results import DISTANCE, LEVEL, RESULTS, STATUS, UNCERTAINT
 from echocal.correct.rows import Reading, Rows, correct_rows
 from echocal.errors import DataError, UsageError
 from echocal.model import Model
-from echocal.observations.given import READ_OPTIONS, refuse_keywords
+from echocal.observations.given import READ_OPTIONS, refuse_keywords, refuse_reference
 from echocal.observations.misspelled import naming
 from echocal.observations.numbers import Missing
 from echocal.observations.reading import understood
@@ -115,6 +115,7 @@ def correct(
     [2.000305, 1.001011]
     """
     refuse_keywords(correct, options, READ_OPTIONS)
+    refuse_reference(options)
     refuse_no_model(model)
     if isinstance(table, Observations):
         message = (

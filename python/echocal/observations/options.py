@@ -46,6 +46,8 @@ class ReadOptions:
     at: Mapping[str, Any] | None = None
     sheet: str | None = None
     mount_height: float | None = None
+    reference: Any = None
+    reference_join: str = "interpolated"
     layout: Layout = field(init=False, repr=False, compare=False)
     """How a text file is written."""
     requests: dict[str, str] = field(init=False, repr=False, compare=False)
@@ -63,6 +65,7 @@ class ReadOptions:
             "trust": _names(self.trust),
             "at": {name: str(value) for name, value in (self.at or {}).items()} or None,
             "mount_height": height,
+            "reference": str(self.reference) if isinstance(self.reference, Path) else self.reference,
             "layout": Layout(self.skip_lines, self.decimal, self.encoding),
         }
         for name, value in made.items():
@@ -71,7 +74,7 @@ class ReadOptions:
     def given(self) -> dict[str, Any]:
         """The options that say something, as arguments of `echocal.read_observations`."""
         own = ((one.name, getattr(self, one.name), one.default) for one in fields(ReadOptions) if one.init)
-        return {name: value for name, value, usual in own if value != usual}
+        return {name: value for name, value, usual in own if not _same(value, usual)}
 
     def plain(self) -> dict[str, Any]:
         """The same as JSON holds them."""
@@ -84,6 +87,10 @@ def _names(trust: Any) -> tuple[str, ...]:
         message = f'trust lists names of columns, ["temperature_C"]; got {trust!r}'
         raise UsageError(message)
     return tuple(listed)
+
+
+def _same(value: Any, usual: Any) -> bool:
+    return value is usual or (isinstance(value, type(usual)) and value == usual)
 
 
 def _listed(codes: Any) -> tuple[Any, ...]:
