@@ -17,7 +17,7 @@ __all__ = ["KNOWN", "Options", "added", "file_in_use", "from_stdin"]
 KNOWN = {
     "column", "missing", "trust", "at", "reading-speed", "time-zone", "time-format", "skip-lines", "decimal",
     "encoding", "sheet", "reference-distance", "constant-distance", "by", "since", "until", "base", "law",
-    "same-target",
+    "same-target", "mount-height", "reference", "reference-join",
 }  # fmt: skip
 """Options that such a file may have; a command takes those that it has."""
 

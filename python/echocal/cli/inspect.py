@@ -29,7 +29,7 @@ _BARS = "▁▂▃▄▅▆▇█"
 _FIRST = "# how to read"
 
 
-@reading_options()
+@reading_options("reference", "reference_join")
 def command(
     log: Annotated[Path, typer.Argument(metavar="LOG", help="A log of any kind (docs/logs.md); - is stdin.")],
     out: Annotated[
