@@ -1,5 +1,6 @@
 """A diagnosis in sentences."""
 
+from echocal.concise import decimal
 from echocal.diagnose.candidates.variant import UNKNOWN
 from echocal.diagnose.catalogue import find_cause
 from echocal.diagnose.findings.parts import Cause, Gain, NextMeasurement
@@ -12,7 +13,10 @@ __all__ = [
     "class_texts",
     "explain",
     "further_notes",
+    "good_enough_text",
     "lead",
+    "minor_text",
+    "mm_text",
     "parameter_text",
     "place_text",
     "probability_text",
@@ -44,6 +48,8 @@ def explain(diagnosis: Outcome) -> str:
 
 def lead(diagnosis: Outcome) -> str:
     """The verdict in one to three sentences, without the last period."""
+    if diagnosis.good_enough:
+        return good_enough_text(diagnosis)
     if diagnosis.verdict == "nothing":
         slow = any(c.id in listed_only() and c.indistinguishable_from for c in diagnosis.causes)
         either = f". Either the noise is autocorrelated, or {_OUTSIDE} changes as slowly as such noise"
@@ -55,7 +61,7 @@ def lead(diagnosis: Outcome) -> str:
     if diagnosis.verdict == "ambiguous":
         return f"The data show an effect. {_left_open(diagnosis)}"
     named = [c for c in diagnosis.causes if c.probability >= diagnosis.settings.claims.named and not c.doubt]
-    named = [c for c in named if c.id not in listed_only()]
+    named = [c for c in named if c.id not in listed_only() and c.matters]
     effects = [_class(cause) for cause in named if cause.kind == "effect" and cause.in_model]
     shifting = f"the cause{'s' * (len(effects) > 1)} {enumerated(effects)}" if effects else _NO_SHIFT
     if len(effects) == 1 and effects[0].startswith(_ONE_OF):
@@ -76,8 +82,44 @@ def _in_the_model(diagnosis: Outcome) -> list[str]:
     modeled = [cause for cause in diagnosis.causes if cause.kind == "effect" and cause.in_model]
     if not modeled:
         return []
-    each = enumerated([f"{_class(cause)}, probability {cause.probability:.2f}" for cause in modeled])
-    return [f"The model has {each}, which {'are' if len(modeled) > 1 else 'is'} not named"]
+    least = diagnosis.settings.claims.named
+    each = [f"{_class(c)} ({_short_of_a_name(c, least)})" for c in modeled]
+    return [f"The model has {enumerated(each)}, which may act"]
+
+
+def _short_of_a_name(cause: Cause, least: float) -> str:
+    """Why an effect of the model has no name."""
+    probability = f"probability {cause.probability:.2f}"
+    return (
+        f"{probability}; a name needs {least:g}" if cause.probability < least else f"{probability}, in doubt"
+    )
+
+
+def good_enough_text(diagnosis: Outcome) -> str:
+    """That what was found is too small to matter, by how much, and what would matter."""
+    effects = [cause for cause in diagnosis.causes if cause.kind == "effect"]
+    sizes = [cause.contribution_m or 0.0 for cause in effects if cause.in_model]
+    most = sum(sizes) or max([c.contribution_m or 0.0 for c in effects], default=0.0)
+    what = enumerated([cause.id for cause in effects]) if effects else "what the data show"
+    together = " together" if len(sizes) > 1 else ""
+    return (
+        f"The base is good enough: {what}{together} {'change' if len(effects) > 1 else 'changes'} no reading "
+        f"by more than {mm_text(most)}, and less than {decimal(diagnosis.matters_mm)} mm does not matter "
+        f"({diagnosis.matters_because})"
+    )
+
+
+def mm_text(meters: float) -> str:
+    """``0.04 mm``: a length that a person compares with another one."""
+    return f"{decimal(1e3 * meters, 2)} mm"
+
+
+def minor_text(cause: Cause) -> str:
+    """An effect that is too small to matter, in one line."""
+    size = mm_text(cause.contribution_m or 0.0)
+    return (
+        f"{cause.id} changes no reading by more than {size}: too small to matter ({probability_text(cause)})"
+    )
 
 
 def without_a_cause(diagnosis: Outcome) -> list[str]:
@@ -157,6 +199,8 @@ def _cause(cause: Cause) -> list[str]:
     )
     rivals = rivals_of(cause)
     what = f"{place_text(cause).capitalize()}{cause.id}, {sizes} ({probability_text(cause)})"
+    if not cause.matters:
+        return [f"{place_text(cause).capitalize()}{minor_text(cause)}."]
     lines = [
         f"{what}: {find_cause(cause.id).sentence}",
         f"  You can check it: {cause.because}.",
