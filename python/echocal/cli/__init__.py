@@ -32,11 +32,8 @@ _HELP = {"help_option_names": ["-h", "--help"]}
 def _is_log(word: str) -> bool:
     """Whether a word is the path of a log, also of one that does not exist: it has an ending or a folder."""
     path = Path(word)
-    return (
-        word == "-"
-        or path.exists()
-        or (not word.startswith("-") and (bool(path.suffix) or len(path.parts) > 1))
-    )
+    is_written_as_one = not word.startswith("-") and (path.suffix or len(path.parts) > 1)
+    return word == "-" or path.exists() or bool(is_written_as_one)
 
 
 class _Commands(TyperGroup):
@@ -64,7 +61,7 @@ class _Commands(TyperGroup):
             command = single
         loaded = typer.main.get_command(command)
         loaded.name = cmd_name
-        loaded.context_settings |= _HELP
+        loaded.context_settings = {**loaded.context_settings, **_HELP}
         if ctx is not None and ctx.obj is not None:
             ctx.obj |= {one.name: one.opts[0] for one in loaded.params if one.opts[0].startswith("--")}
         return loaded

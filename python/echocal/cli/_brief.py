@@ -38,13 +38,15 @@ def print_brief(
     """
     said = brief(diagnosis)
     word = "good enough" if diagnosis.good_enough else diagnosis.verdict
-    rows = diagnosis.rows
-    also = [f"{len(noted)} notes" for noted in [further_notes(diagnosis)] if noted]
-    more = f"The evidence{' and ' + also[0] if also else ''}: {details}"
+    noted = len(further_notes(diagnosis))
+    also = f" and {noted} note{'s' * (noted > 1)}" if noted else ""
+    more = f"the evidence{also}: {details}"
     lines = {
-        "what is wrong": Text.assemble((word, STYLE[diagnosis.verdict]), f": {said.wrong}"),
+        "what is wrong": Text.assemble(
+            (word, STYLE[diagnosis.verdict]), f": {said.wrong[0].lower()}{said.wrong[1:]}"
+        ),
         "by how much": Text(said.size),
-        "how sure": Text(f"{said.sure} {rows['used']} of {rows['total']} rows are used."),
+        "how sure": Text(said.sure),
         "written": Text(", ".join(files) or "nothing"),
         "what next": Text(f"{said.next} {first or ''}".strip() + f"\n{more}"),
     }
@@ -98,15 +100,8 @@ def _firmware(diagnosis: Diagnosis, model: Path, out: str) -> str:
     if temperature is not None and np.isfinite(temperature).any():
         low, high = np.nanmin(temperature) - _ROOM, np.nanmax(temperature) + _ROOM
         span = f"{np.floor(low):.0f}:{np.ceil(high):.0f}"
-    return command_line(
-        "firmware",
-        model,
-        target="avr",
-        temperature_lsb=0.0625,
-        temperature_range=span,
-        max_error_mm=1,
-        out=out,
-    )
+    codes = {"temperature_lsb": 0.0625, "temperature_range": span}
+    return command_line("firmware", model, target="avr", **codes, max_error_mm=1, out=out)
 
 
 def _of_rows(reading: Mapping[str, Any]) -> dict[str, Any]:

@@ -34,12 +34,15 @@ class _Question:
 
     Attributes
     ----------
+    what : str
+        In a list.
     text : str
         For a person at a terminal.
     flags : str
         The flags that answer it.
     """
 
+    what: str
     text: str
     flags: str
 
@@ -113,7 +116,8 @@ def command(
         "constant_distance": known.constant_distance or None,
         "matters_mm": matters_mm,
     }
-    said = {key: value for key, value in said.items() if value is not None} | known.reading.given()
+    said |= known.reading.given()
+    said = {name: value for name, value in said.items() if value or value == 0.0}
     if said:
         replace_text(toml, options_text(log, toml, said))
     _made_by.sign(diagnosis.model, "diagnose", source, model).save(model)
@@ -159,26 +163,26 @@ def _settled(log: Path, known: _Answers, yes: bool, console: Console) -> Inspect
             settle(_about_guesses(found), lambda: _confirm(found, known))
     if not _has(found, known, "temperature") and found.refusal and not known.reading.reading_speed:
         settle(_TEMPERATURE, lambda: _ask_temperature(known))
-    if (
-        not _has(found, known, "reference_distance")
-        and known.reference_distance is None
-        and not known.constant_distance
-    ):
+    stated = known.constant_distance or known.reference_distance is not None
+    if not stated and not _has(found, known, "reference_distance"):
         settle(_DISTANCE, lambda: _ask_distance(known))
     if open_:
-        flags = "; ".join(f"{one.text.partition(chr(10))[0].rstrip('?')}? {one.flags}" for one in open_)
-        raise DataError(f"{log.name} does not say everything, and no person is at the terminal. {flags}")
+        flags = "; ".join(f"{one.what} ({one.flags})" for one in open_)
+        message = f"{log.name} does not say, and nobody is at the terminal to ask: {flags}"
+        raise DataError(message)
     return inspect_log(log, known.reading)
 
 
 _TEMPERATURE = _Question(
+    "the temperature of the air",
     "What temperature had the air, in degC? Its uncertainty after +-, such as 20+-2",
     '--at "temperature=20+-2", or --column "NAME=temperature_C"',
 )
 _DISTANCE = _Question(
+    "the distance of the target",
     "How far was the target, in m? Press Enter if it did not move and nobody measured it",
-    "--reference-distance M, --constant-distance if it did not move and nobody measured it, or "
-    '--column "NAME=distance_m"',
+    "--reference-distance M; --constant-distance if it did not move and nobody measured it; "
+    'or --column "NAME=distance_m"',
 )
 
 
@@ -187,7 +191,8 @@ def _about_guesses(found: Inspection) -> _Question:
     told = [f"{column.name!r} as {column.proposal.request} ({column.proposal.reason})" for column in guesses]
     told += [f"{', '.join(codes)} in {name!r} as no value" for name, codes in found.missing.items()]
     pairs = " ".join(f'--column "{column.name}={column.proposal.request}"' for column in guesses)
-    return _Question(f"Is this right: {'; '.join(told)}?", f"if so --yes, or {pairs}")
+    read = f"right to read {'; '.join(told)}"
+    return _Question(f"whether it is {read}", f"Is it {read}?", f"--yes, or {pairs}")
 
 
 def _confirm(found: Inspection, known: _Answers) -> None:

@@ -141,13 +141,10 @@ def written() -> list[str]:
     files = [file for file, before in _run.before.items() if _state(file) != before]
     for file in files:
         del _run.before[file]
-    places = {file: next((f for f in _run.folders if f in file.parents), None) for file in files}
-    many = {place: n for place, n in Counter(places.values()).items() if place and n > _FEW}
-    listed = [
-        f"{places[file]} ({many[places[file]]} files)" if places[file] in many else str(file)
-        for file in files
-    ]
-    return list(dict.fromkeys(listed))
+    places = {file: next((f for f in _run.folders if f in file.parents), file) for file in files}
+    count = Counter(places.values())
+    many = {place: f"{place} ({n} files)" for place, n in count.items() if n > _FEW}
+    return list(dict.fromkeys(many.get(places[file], str(file)) for file in files))
 
 
 @contextmanager

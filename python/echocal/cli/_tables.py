@@ -200,11 +200,8 @@ def reading_words(reading: Given) -> dict[str, Any]:
     """The same as options of `echocal.keywords.command_line`."""
     given = reading.given()
     pairs = {"columns": "column", "at": "at"}
-    words = {
-        pairs[name]: [f"{own}={one}" for own, one in given.pop(name).items()]
-        for name in [*pairs]
-        if name in given
-    }
+    listed = {name: given.pop(name) for name in pairs if name in given}
+    words = {pairs[name]: [f"{own}={one}" for own, one in each.items()] for name, each in listed.items()}
     if (codes := given.pop("missing", None)) is not None:
         words["missing"] = [f"{own}={one}" if own else one for own, each in codes.items() for one in each]
     return words | {name: list(one) if isinstance(one, tuple) else one for name, one in given.items()}

@@ -302,6 +302,7 @@ def _file(base: str) -> list[str]:
 
 
 def base_of(base: str) -> str | Model:
+    """The model of a file, or the base as it is written."""
     return Model.load(base) if _file(base) else base
 
 

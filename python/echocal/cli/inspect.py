@@ -133,9 +133,10 @@ def _histogram(counts: list[int]) -> str:
 def _toml(found: Inspection, log: Path, out: Path, stated: dict[str, object]) -> str:
     """Options of the log; guesses have a remark."""
     lines = [
-        f"# how to read {log}, written by echocal inspect; edit it, then: echocal diagnose {log} --options {out}"
+        f"# how to read {log}, written by echocal inspect; edit it, then: "
+        f"echocal diagnose {log} --options {out}"
     ]
-    lines += [f"{name.replace('_', '-')} = {tomltoml_value(value)}" for name, value in stated.items()]
+    lines += [f"{name.replace('_', '-')} = {toml_value(value)}" for name, value in stated.items()]
     lines += ["# constant-distance = true  # if the target did not move"]
     lines += [f"# by = {toml_value(name)}  # {count} sensors" for name, count in found.sensors.items()]
     reasons = {column.name: column.proposal for column in found.columns}

@@ -49,10 +49,9 @@ class Matters:
             return cls(1e-3 * stated_mm, f"stated: {keyword('matters_mm', stated_mm)}")
         datasheet, resolution = case.settings.claims.minor, case.table.rows.rounding
         if resolution > datasheet:
-            return cls(
-                resolution, f"readings in steps of {decimal(1e3 * 12**0.5 * resolution)} mm scatter as much"
-            )
-        return cls(datasheet, "a tenth of the 3 mm that the datasheet of an HC-SR04 states")
+            step = decimal(1e3 * 12**0.5 * resolution)
+            return cls(resolution, f"the standard uncertainty of readings in steps of {step} mm")
+        return cls(datasheet, "a tenth of the 3 mm of an HC-SR04's datasheet")
 
     def told(self, cause: Cause) -> bool:
         """Whether a cause is told in full: all but an effect that adds less than this to every reading."""
@@ -78,7 +77,7 @@ class Matters:
 
 
 def contribution(case: Case, claim: Claim) -> float:
-    """The most that a claim adds to a reading, up or down [m]; where the distance is unknown, beside its mean."""
+    """The most that a claim adds to a reading [m]; where the distance is unknown, beside its mean."""
     signal = case.signal(claim.variant, claim.mean)
     return float(np.abs(_beside_level(case.table, signal)).max())
 

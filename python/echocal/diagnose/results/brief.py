@@ -5,9 +5,8 @@ from dataclasses import dataclass
 from echocal.concise import decimal
 from echocal.diagnose.catalogue import find_cause
 from echocal.diagnose.findings.parts import Cause, Gain
-from echocal.diagnose.findings.sentences import enumerated, parameter_text
-from echocal.diagnose.noises.registry import listed_only
-from echocal.diagnose.results.explain import good_enough_text, mm_text, proposal_text
+from echocal.diagnose.findings.sentences import enumerated, parameter_text, spoken
+from echocal.diagnose.results.explain import EVEN, good_enough_text, proposal_text, rivals_of
 from echocal.diagnose.results.outcome import Outcome
 
 __all__ = ["Brief", "brief"]
@@ -43,126 +42,136 @@ def brief(diagnosis: Outcome) -> Brief:
     >>> reading = 1.0 + 1e-3 * np.sin(np.arange(60.0) ** 2)
     >>> table = {"reading_m": reading, "temperature_C": np.linspace(5.0, 35.0, 60)}
     >>> brief(echocal.diagnose(table, reference_distance=1.0)).wrong
-    'Nothing: these rows show no systematic error of the base (linear).'
+    'these rows show no systematic error of the base (linear).'
     """
     return Brief(_wrong(diagnosis), _size(diagnosis), _sure(diagnosis), _next(diagnosis))
 
 
 def _wrong(diagnosis: Outcome) -> str:
-    told = _told(diagnosis)
     if diagnosis.good_enough:
         return f"{good_enough_text(diagnosis)}."
+    spoiled = [_sentence(cause) for cause in _spoiling(diagnosis)]
+    if effects := _named(diagnosis):
+        return " ".join([*map(_sentence, effects), *spoiled])
     if diagnosis.verdict == "nothing":
-        return f"Nothing: these rows show no systematic error of the base ({_base(diagnosis)})."
+        return f"these rows show no systematic error of the base ({_base(diagnosis)})."
+    if diagnosis.verdict == "named" and spoiled:
+        return " ".join(spoiled)
     if diagnosis.verdict == "named":
-        return " ".join(_sentence(cause) for cause in told)
-    spoiled = [_sentence(cause) for cause in told if cause.kind in ("row", "gross")]
-    return " ".join([_open(diagnosis), *spoiled])
+        scatter = [_sentence(cause) for cause in diagnosis.causes if cause.kind == "noise"]
+        return " ".join(["the noise, and no error that shifts the readings.", *scatter])
+    return " ".join([*_open(diagnosis), *spoiled])
 
 
-def _open(diagnosis: Outcome) -> str:
+def _open(diagnosis: Outcome) -> list[str]:
     """What is wrong where no effect is named."""
     if diagnosis.unexplained is not None:
-        against = diagnosis.unexplained.against
-        return f"Something that echocal has no name for shifts the readings; it follows the column {against}."
+        against = spoken(diagnosis.unexplained.against)
+        return [f"something that echocal has no name for shifts the readings; it follows the {against}."]
     if diagnosis.verdict == "unknown":
-        return "Something that echocal has no name for shifts the readings."
-    ids = [cause.id for cause in _effects(diagnosis)]
-    ids += [id_ for cause in _effects(diagnosis) for id_ in cause.indistinguishable_from if id_ not in ids]
-    ids = list(dict.fromkeys(ids)) or [one.id for one in diagnosis.refuted]
-    more = f" or one of {len(ids) - _SHOWN} others" if len(ids) > _SHOWN else ""
+        return ["something that echocal has no name for shifts the readings."]
+    effects = [cause for cause in diagnosis.causes if cause.kind == "effect"]
+    ids = list(dict.fromkeys(id_ for c in effects for id_ in (c.id, *rivals_of(c))))
+    ids = ids or [one.id for one in diagnosis.refuted]
     if not ids:
-        return "Something may shift the readings; these rows do not tell what."
+        unknown = ["the readings may have an error; these rows do not tell which."]
+        return [] if _spoiling(diagnosis) else unknown
     if len(ids) == 1:
-        return f"Something may shift the readings, perhaps {ids[0]}: {find_cause(ids[0]).sentence}"
-    return f"Something shifts the readings, and these rows do not tell what: {', '.join(ids[:_SHOWN])}{more}."
+        return [f"perhaps this: {find_cause(ids[0]).sentence.rstrip('.')} ({ids[0]})."]
+    more = f" or one of {len(ids) - _SHOWN} others" if len(ids) > _SHOWN else ""
+    shown = f"{', '.join(ids[:_SHOWN])}{more}" if more else f"{', '.join(ids[:-1])} or {ids[-1]}"
+    return [f"something shifts the readings, and these rows do not tell what: {shown}."]
 
 
 def _sentence(cause: Cause) -> str:
-    rivals = cause.indistinguishable_from
+    """What a cause does; where others would look the same, no more than that."""
+    rivals = rivals_of(cause)
     sentence = find_cause(cause.id).sentence.rstrip(".")
     if not rivals:
         return f"{sentence} ({cause.id})."
-    alike = f"{rivals[0]}" if len(rivals) == 1 else f"{len(rivals)} others"
+    if len(rivals) > 1 and (cause.probability_alone or 0.0) < EVEN:
+        first = enumerated([cause.id, *rivals[:1]])
+        return f"A cause that these rows do not separate from {len(rivals)} others acts, such as {first}."
+    alike = rivals[0] if len(rivals) == 1 else f"{len(rivals)} others"
     return f"{sentence} ({cause.id}; in these rows {alike} would look the same)."
 
 
 def _size(diagnosis: Outcome) -> str:
-    gain = diagnosis.gain
-    sizes = [
-        parameter_text(p.name, p.value, p.standard_uncertainty, p.unit)
-        for cause in _told(diagnosis)
-        if cause.kind != "noise" or not _effects(diagnosis)
-        for p in cause.parameters
-        if p.standard_uncertainty > 0.0 or cause.kind != "effect"
-    ]
-    parts = [_error(gain)] if gain is not None and gain.held_out_rows else []
-    return "; ".join([*parts, *sizes[:_SHOWN]]) + "."
+    gain, sizes = diagnosis.gain, []
+    for cause in _named(diagnosis) or _spoiling(diagnosis):
+        known = [p for p in cause.parameters if p.unit != "1"] or cause.parameters
+        sizes += [parameter_text(p.name, p.value, p.standard_uncertainty, p.unit) for p in known[:1]]
+    error = [_error(gain)] if gain is not None and gain.held_out_rows else []
+    return "; ".join([*error, *sizes[:_SHOWN]] or ["no row can judge a correction"]) + "."
 
 
 def _error(gain: Gain) -> str:
     before = f"RMS error {_rms(gain.rms_before_m)}"
     if len(gain.ladder) == 1:
-        return f"{before}; no correction by the recorded columns is proven to make it smaller"
+        return f"{before}; no correction is proven to make it smaller"
     return f"{before}, with the correction {_rms(gain.rms_after_m)}"
 
 
 def _sure(diagnosis: Outcome) -> str:
-    parts = []
-    if named := [cause for cause in _told(diagnosis) if cause.kind == "effect"]:
-        parts += [f"{cause.id} {_probability(cause.probability)}" for cause in named[:_SHOWN]]
-    elif others := [cause for cause in _told(diagnosis) if cause.kind != "effect"]:
-        parts += [f"{cause.id} {_probability(cause.probability)}" for cause in others[:_SHOWN]]
+    told = _named(diagnosis) or _spoiling(diagnosis)
+    if diagnosis.good_enough:
+        return f"{_gained(diagnosis.gain)}{_rows(diagnosis)}."
+    told = told or [c for c in diagnosis.causes if c.kind == "effect" and c.in_model]
+    parts = [f"{_name(cause)} {_probability(cause.probability)}" for cause in told[:_SHOWN]]
     if diagnosis.verdict == "nothing":
-        none = sum(p for ids, p in diagnosis.posterior if not {*ids} - _not_effects(diagnosis))
+        shifting = {cause.id for cause in diagnosis.causes if cause.kind != "effect"}
+        none = sum(p for ids, p in diagnosis.posterior if not {*ids} - shifting)
         parts = [f"no effect {_probability(none)}"]
-    said = [f"Probability: {', '.join(parts)}"] if parts else []
-    gain = diagnosis.gain
-    if gain is not None and gain.held_out_rows and len(gain.ladder) > 1:
-        low, high = (1e3 * end for end in gain.interval_95)
-        said.append(
-            f"The correction gains {decimal(low, 2)} to {decimal(high, 2)} mm (95 %) on {gain.held_out_rows} "
-            f"{gain.judged_rows}"
-        )
-    elif gain is not None and not gain.held_out_rows:
-        said.append("No row can judge a correction, so nothing is named")
-    doubts = [cause.id for cause in _effects(diagnosis) if cause.doubt and cause.matters]
-    if doubts:
-        said.append(f"In doubt: {enumerated(doubts)}")
-    return "; ".join(said[:1] + [f"{one[0].lower()}{one[1:]}" for one in said[1:]]) + "."
+    said = [f"probability: {', '.join(parts)}"] if parts else []
+    doubts = [cause.id for cause in diagnosis.causes if cause.doubt and cause.matters and cause.in_model]
+    said += [f"in doubt: {enumerated(doubts)}"] if doubts else []
+    return "; ".join([*said, f"{_gained(diagnosis.gain)}{_rows(diagnosis)}"]) + "."
+
+
+def _gained(gain: Gain | None) -> str:
+    if gain is None or not gain.held_out_rows or len(gain.ladder) == 1:
+        return ""
+    low, high = map(_rms, gain.interval_95)
+    return f"the correction gains {low} to {high} (95 %) on {gain.held_out_rows} {gain.judged_rows}; "
 
 
 def _next(diagnosis: Outcome) -> str:
     if diagnosis.good_enough or diagnosis.verdict == "nothing":
-        return "Nothing to correct."
-    if diagnosis.verdict == "named" and diagnosis.model.effects:
-        return "Correct the readings with this model."
+        return "nothing to correct."
+    if _named(diagnosis) and diagnosis.model.effects:
+        return "correct the readings with this model."
     if diagnosis.next_measurements:
-        said = proposal_text(diagnosis.next_measurements[0])
-        return f"{said[0].upper()}{said[1:]}."
+        return f"{proposal_text(diagnosis.next_measurements[0])}."
     if diagnosis.unexplained is not None:
-        return f"Look at what changes with {diagnosis.unexplained.against}."
-    return "Look at the rows of the report."
+        return f"look for what changes with the {spoken(diagnosis.unexplained.against)}."
+    if _spoiling(diagnosis):
+        return "look at the rows that are left out."
+    return "nothing to correct." if diagnosis.verdict == "named" else "measure at another distance."
 
 
-def _told(diagnosis: Outcome) -> list[Cause]:
-    """Causes that the first line is about: those that are named, and faults of rows and columns."""
+def _named(diagnosis: Outcome) -> list[Cause]:
+    """Effects that have a name and matter."""
     least = diagnosis.settings.claims.named
-    named = [
-        cause
-        for cause in diagnosis.causes
-        if cause.probability >= least and not cause.doubt and cause.matters and cause.id not in listed_only()
-    ]
-    effects = [c for c in named if c.kind != "noise" and (c.in_model or c.kind != "effect")]
-    return effects or [cause for cause in named if cause.kind == "noise"]
+    if diagnosis.verdict != "named":
+        return []
+    effects = [c for c in diagnosis.causes if c.kind == "effect" and c.in_model and c.matters]
+    return [c for c in effects if c.probability >= least and not c.doubt]
 
 
-def _effects(diagnosis: Outcome) -> list[Cause]:
-    return [cause for cause in diagnosis.causes if cause.kind == "effect"]
+def _spoiling(diagnosis: Outcome) -> list[Cause]:
+    """Faults of rows and columns that are more probable than not."""
+    return [c for c in diagnosis.causes if c.kind in ("row", "gross") and c.probability >= EVEN]
 
 
-def _not_effects(diagnosis: Outcome) -> set[str]:
-    return {cause.id for cause in diagnosis.causes if cause.kind != "effect"}
+def _name(cause: Cause) -> str:
+    alike = 1 + len(cause.indistinguishable_from)
+    return f"one of {alike} causes" if alike > 2 and (cause.probability_alone or 0.0) < EVEN else cause.id
+
+
+def _rows(diagnosis: Outcome) -> str:
+    rows = diagnosis.rows
+    why = ", ".join(f"{count} {reason}" for reason, count in rows["unusable"].items())
+    return f"{rows['used']} of {rows['total']} rows are used{f' (left out: {why})' if why else ''}"
 
 
 def _probability(value: float) -> str:
@@ -170,7 +179,7 @@ def _probability(value: float) -> str:
 
 
 def _rms(meters: float) -> str:
-    return mm_text(meters) if meters < 1e-3 else f"{decimal(1e3 * meters)} mm"
+    return f"{decimal(1e3 * meters, 2 if abs(meters) < 1e-3 else 3)} mm"
 
 
 def _base(diagnosis: Outcome) -> str:

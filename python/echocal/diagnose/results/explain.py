@@ -10,6 +10,7 @@ from echocal.diagnose.results.outcome import Outcome
 from echocal.diagnose.results.smooth import remainder_text, smooth_text
 
 __all__ = [
+    "EVEN",
     "class_texts",
     "explain",
     "further_notes",
@@ -21,11 +22,12 @@ __all__ = [
     "place_text",
     "probability_text",
     "proposal_text",
+    "rivals_of",
     "without_a_cause",
 ]
 
 _SHOWN = 6  # causes named in one proposal
-_EVEN = 0.5  # a member of a class that is less probable alone is no headline
+EVEN = 0.5  # a member of a class that is less probable alone is no headline
 _ONE_OF = "one of "
 _OUTSIDE = "an effect outside the catalogue"
 _NO_SHIFT = "no cause that shifts the readings"
@@ -49,7 +51,7 @@ def explain(diagnosis: Outcome) -> str:
 def lead(diagnosis: Outcome) -> str:
     """The verdict in one to three sentences, without the last period."""
     if diagnosis.good_enough:
-        return good_enough_text(diagnosis)
+        return f"The base is good enough: {good_enough_text(diagnosis)}"
     if diagnosis.verdict == "nothing":
         slow = any(c.id in listed_only() and c.indistinguishable_from for c in diagnosis.causes)
         either = f". Either the noise is autocorrelated, or {_OUTSIDE} changes as slowly as such noise"
@@ -59,7 +61,7 @@ def lead(diagnosis: Outcome) -> str:
     if diagnosis.verdict == "unknown":
         return ". ".join([f"The data show {_OUTSIDE}", *_in_the_model(diagnosis)])
     if diagnosis.verdict == "ambiguous":
-        return f"The data show an effect. {_left_open(diagnosis)}"
+        return _left_open(diagnosis)
     named = [c for c in diagnosis.causes if c.probability >= diagnosis.settings.claims.named and not c.doubt]
     named = [c for c in named if c.id not in listed_only() and c.matters]
     effects = [_class(cause) for cause in named if cause.kind == "effect" and cause.in_model]
@@ -90,9 +92,8 @@ def _in_the_model(diagnosis: Outcome) -> list[str]:
 def _short_of_a_name(cause: Cause, least: float) -> str:
     """Why an effect of the model has no name."""
     probability = f"probability {cause.probability:.2f}"
-    return (
-        f"{probability}; a name needs {least:g}" if cause.probability < least else f"{probability}, in doubt"
-    )
+    why = "in doubt" if cause.probability >= least else f"a name needs {least:g}"
+    return f"{probability}, {why}"
 
 
 def good_enough_text(diagnosis: Outcome) -> str:
@@ -103,7 +104,7 @@ def good_enough_text(diagnosis: Outcome) -> str:
     what = enumerated([cause.id for cause in effects]) if effects else "what the data show"
     together = " together" if len(sizes) > 1 else ""
     return (
-        f"The base is good enough: {what}{together} {'change' if len(effects) > 1 else 'changes'} no reading "
+        f"{what}{together} {'change' if len(effects) > 1 else 'changes'} no reading "
         f"by more than {mm_text(most)}, and less than {decimal(diagnosis.matters_mm)} mm does not matter "
         f"({diagnosis.matters_because})"
     )
@@ -118,7 +119,7 @@ def minor_text(cause: Cause) -> str:
     """An effect that is too small to matter, in one line."""
     size = mm_text(cause.contribution_m or 0.0)
     return (
-        f"{cause.id} changes no reading by more than {size}: too small to matter ({probability_text(cause)})"
+        f"{cause.id} changes no reading by more than {size}: it does not matter ({probability_text(cause)})"
     )
 
 
@@ -147,6 +148,16 @@ def _questions(cause: Cause) -> str:
 
 
 def _left_open(diagnosis: Outcome) -> str:
+    """What an ambiguous verdict leaves open."""
+    least = diagnosis.settings.claims.named
+    open_ = [cause for cause in diagnosis.causes if cause.probability < least or cause.kind == "effect"]
+    if open_ and not diagnosis.refuted and all(cause.kind != "effect" for cause in open_):
+        each = [f"{c.id} on {_ACTS_ON[c.kind]} (probability {c.probability:.2f})" for c in open_]
+        return f"The data may show {enumerated(each)}; a name needs {least:g}"
+    return f"The data show an effect. {_effect_left_open(diagnosis)}"
+
+
+def _effect_left_open(diagnosis: Outcome) -> str:
     if any(cause.doubt for cause in diagnosis.causes):
         model = _in_the_model(diagnosis)
         return model[0] if model else "Causes fit it, but their gain may be chance, so the model is the base"
@@ -181,7 +192,7 @@ def _class(cause: Cause) -> str:
     rivals = rivals_of(cause)
     if not rivals:
         return cause.id
-    if len(rivals) > 1 and cause.probability_alone is not None and cause.probability_alone < _EVEN:
+    if len(rivals) > 1 and cause.probability_alone is not None and cause.probability_alone < EVEN:
         return f"{_ONE_OF}{1 + len(rivals)} similar causes ({cause.id} in the model)"
     return f"{cause.id} (or {rivals[0] if len(rivals) == 1 else f'one of {len(rivals)} similar causes'})"
 
