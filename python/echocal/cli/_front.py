@@ -18,6 +18,7 @@ from echocal.cli._pool import bar
 from echocal.cli._tables import AS_IT_IS, Given, Json, from_stdin, noted, reading_options, write_json
 from echocal.cli.diagnose import Base, ConstantDistance, Details, MattersMm, ReferenceDistance, base_of
 from echocal.diagnose import diagnose
+from echocal.diagnose.preprocess.reference import refuse_distance
 from echocal.errors import DataError, DomainWarning, UsageError
 from echocal.keywords import command_line
 from echocal.observations.at import parsed
@@ -173,6 +174,7 @@ def _settled(log: Path, known: _Answers, yes: bool, console: Console) -> Inspect
     return inspect_log(log, known.reading)
 
 
+_MOVED = "moved"
 _TEMPERATURE = _Question(
     "the temperature of the air",
     "What temperature had the air, in degC? Its uncertainty after +-, such as 20+-2",
@@ -180,7 +182,7 @@ _TEMPERATURE = _Question(
 )
 _DISTANCE = _Question(
     "the distance of the target",
-    "How far was the target, in m? Press Enter if it did not move and nobody measured it",
+    "How far was the target, in m? If nobody measured it: press Enter if it did not move, else type moved",
     "--reference-distance M; --constant-distance if it did not move and nobody measured it; "
     'or --column "NAME=distance_m"',
 )
@@ -211,8 +213,16 @@ def _ask_temperature(known: _Answers) -> None:
     known.reading = replace(known.reading, at={**(known.reading.at or {}), "temperature": text})
 
 
+def _refuse_answer(distance: str) -> None:
+    if distance not in ("", _MOVED):
+        refuse_distance(float(distance))
+
+
 def _ask_distance(known: _Answers) -> None:
-    text = _asked("distance [m]", lambda text: text and float(text), default="")
+    text = _asked("distance [m]", _refuse_answer, "")
+    if text == _MOVED:
+        message = "a target that moves needs its distance in a column: --column NAME=distance_m"
+        raise DataError(message)
     known.reference_distance = float(text) if text else None
     known.constant_distance = not text
 
