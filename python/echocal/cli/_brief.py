@@ -13,6 +13,7 @@ from echocal.diagnose import Diagnosis
 from echocal.diagnose.results.brief import brief
 from echocal.diagnose.results.explain import further_notes
 from echocal.keywords import command_line
+from echocal.registry import find_effect
 from echocal.report.diagnosis import STYLE
 
 __all__ = ["follow_up", "print_brief", "print_commands"]
@@ -87,11 +88,9 @@ def follow_up(diagnosis: Diagnosis, log: Path, model: Path, reading: Mapping[str
     if diagnosis.verdict != "named" or not diagnosis.model.effects:
         corrects = {"correct the log with what is known so far": corrected} if diagnosis.model.effects else {}
         return {**details, **corrects}
-    return {
-        "correct the log": corrected,
-        "write the correction as C for a microcontroller": _firmware(diagnosis, model, f"{name}-firmware"),
-        **details,
-    }
+    c = {"write the correction as C for a microcontroller": _firmware(diagnosis, model, f"{name}-firmware")}
+    inputs = any(find_effect(id_).firmware == "needs" for id_ in diagnosis.model.effects)
+    return {"correct the log": corrected, **({} if inputs else c), **details}
 
 
 def _firmware(diagnosis: Diagnosis, model: Path, out: str) -> str:
