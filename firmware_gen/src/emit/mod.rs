@@ -181,7 +181,7 @@ fn proof_text(design: &Design, device: &Device, asked: f64) -> minijinja::Value 
         overall_worst => input(proof.overall),
         inputs => grouped(proof.inputs),
         bounded_inputs => grouped(proof.bounded_inputs),
-        hash => format!("{:08x}", proof.hash),
+        hash => format!("{:016x}", proof.hash),
     }
 }
 

@@ -98,7 +98,7 @@ pub fn report(
         "error_overall_m": proof.overall.error * device.output.lsb,
         "worst_input_overall": input(device, proof.overall),
         "inputs_checked": proof.inputs,
-        "output_hash": format!("{:08x}", proof.hash),
+        "output_hash": format!("{:016x}", proof.hash),
         "overflow_free": true,
         "monotone_in_echo_time": true,
         "table_bytes": design.program.table_bytes(),
