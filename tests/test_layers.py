@@ -24,7 +24,7 @@ LAYERS = (
     {"observations", "waveforms"},
     {"sweep", "calibrate", "engines"},
     {"virtual_bench", "correct"},
-    {"diagnose", "silicon", "echoes", "verify", "generated"},
+    {"diagnose", "silicon", "echoes", "verify", "generated", "budget"},
     {"panels"},
     {"plots", "report", "firmware"},
     {"study", "explore", "emulation", "fleet", "watch", "accessor", "estimator"},

@@ -38,7 +38,7 @@ pub mod types;
 
 pub use design::{Design, Failure, Progress, Reachable, Request, design};
 pub use device::{Axis, Device, Status};
-pub use emit::{Measurement, Package, Provenance, emit};
+pub use emit::{Measurement, Package, Provenance, Uncertainty, emit};
 pub use error::Error;
 pub use output::Output;
 pub use target::{Prefer, Target};
