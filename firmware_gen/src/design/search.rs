@@ -159,11 +159,7 @@ impl<'a> Search<'a> {
             picked: self.picked.clone(),
             bound: self.room(tail),
             maximum_table: self.request.maximum_table,
-            target: self
-                .lines
-                .iter()
-                .map(|line| tail.factor(line) * unit)
-                .collect(),
+            target: self.lines.iter().map(|line| tail.target(line)).collect(),
             weight: self
                 .lines
                 .iter()
@@ -218,8 +214,7 @@ impl<'a> Search<'a> {
     fn cost_of(&self, tail: &Tail) -> Cost {
         let rows = vec![self.picked[0]];
         let mut builder = Builder::over(self.request.device, self.request.target.least_bits, rows);
-        let unit = f64::from(tail.scale_bits).exp2();
-        let factor = builder.constant((tail.factor(&self.lines[0]) * unit).round() as i64);
+        let factor = builder.constant(tail.target(&self.lines[0]).round() as i64);
         let distance = tail.build(&mut builder, factor);
         let program = builder.finish(distance);
         program.map_or_else(Cost::default, |program| self.request.target.cost(&program))

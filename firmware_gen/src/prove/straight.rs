@@ -53,11 +53,22 @@ impl Straight {
         match (self.constant(), other.constant()) {
             (_, Some(constant)) => self.plus(constant),
             (Some(constant), _) => other.plus(constant),
-            _ => {
-                let ((a, b), (c, d)) = (self.line()?, other.line()?);
-                Some(Self::of_line(a.checked_add(c)?, b.checked_add(d)?))
-            }
+            // What is not cut off goes below the cut of the other.
+            _ => match (self.line(), other.line()) {
+                (_, Some(line)) => self.plus_line(line),
+                (Some(line), _) => other.plus_line(line),
+                _ => None,
+            },
         }
+    }
+
+    fn plus_line(self, (start, slope): (i64, i64)) -> Option<Self> {
+        let unit = 1_i64.checked_shl(self.bits)?;
+        Some(Self {
+            start: self.start.checked_add(start.checked_mul(unit)?)?,
+            slope: self.slope.checked_add(slope.checked_mul(unit)?)?,
+            ..self
+        })
     }
 
     fn times(self, other: Self) -> Option<Self> {
@@ -73,11 +84,11 @@ impl Straight {
     }
 
     fn cut(self, bits: u32) -> Option<Self> {
-        let (start, slope) = self.line()?;
+        let unit = 1_i64.checked_shl(self.bits)?;
         Some(Self {
-            start,
-            slope,
-            bits,
+            start: self.start.checked_add(self.after.checked_mul(unit)?)?,
+            slope: self.slope,
+            bits: self.bits + bits,
             after: 0,
         })
     }

@@ -22,6 +22,7 @@ from echocal import silicon
 from echocal.budget import rounded_up
 from echocal.checksums import CHECKSUMS, listed, unedited
 from echocal.cli import _explore, _made_by
+from echocal.cli._complete import targets
 from echocal.cli._console import Console
 from echocal.cli._outputs import Force, Output, check_outputs, made_in, pass_on
 from echocal.echoes import BLANKING_M
@@ -43,7 +44,10 @@ def command(
     model: Annotated[Path, typer.Argument(help="Model file, such as diagnose writes.", metavar="MODEL.json")],
     out: Annotated[Path, option("Folder for the generated files.", "-o", "--out")],
     target: Annotated[
-        str, option("Core: avr, cortex-m0, cortex-m3, cortex-m4f, rv32, rv32e or c99.")
+        str,
+        typer.Option(
+            help="Core: avr, cortex-m0, cortex-m3, cortex-m4f, rv32, rv32e or c99.", autocompletion=targets
+        ),
     ] = "c99",
     temperature_lsb: Annotated[float, option("Step of one temperature code [degC].")] = 0.0625,
     temperature_range: Annotated[str, option("Accepted temperatures, LOW:HIGH [degC].")] = "-20:60",
@@ -219,6 +223,7 @@ def _refuse_outputs(
         inputs=[model],
         folder=out,
         force=force,
+        told=True,
     )
 
 
