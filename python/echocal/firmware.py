@@ -9,10 +9,10 @@ from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 from echocal import _core, echoes, silicon
-from echocal.budget import expanded_uncertainty
+from echocal.budget.stated import Uncertainties
 from echocal.codes import EchoCodes, HumidityCodes, TemperatureCodes, codes_of, count
 from echocal.conditions import columns
-from echocal.correct.uncertainty import Uncertainties
+from echocal.device_uncertainty import expanded_uncertainty
 from echocal.domain import describe
 from echocal.errors import BoundError, DomainWarning, UsageError
 from echocal.generated import Firmware
@@ -101,7 +101,7 @@ def generate(
         two names. Lower-case letters, digits and single underscores, at most 19 characters.
     uncertainties : iterable of str, or mapping of str to float
         Standard uncertainties of what the device measures or assumes, as in `echocal.correct`:
-        ``["temperature_C=0.5"]`` for a thermometer. They go into the uncertainty that the header states.
+        ``["temperature_C=0.5"]`` or ``["thermometer=DHT22"]``, for the uncertainty that the header states.
     measure : bool
         Whether to compile the C for the target's core, run it in a simulator, and state the measured cost in
         header and report (``report["measured"]``). ``c99`` is measured on every core. Cores without an
@@ -175,7 +175,7 @@ def generate(
     times = echoes.accepted(model._core, request, echo)
     request["echo"] = times.codes
     texts = _texts(uncertainties)
-    stated_sizes = Uncertainties.of(texts).stated
+    known = Uncertainties.of(texts)
     request["command"] = _command(request, model_name, assume, texts, measure)
     try:
         core = _core.design_firmware(model._core, request, progress)
@@ -187,7 +187,7 @@ def generate(
         warnings.warn(line, DomainWarning, stacklevel=2)
     echoes.warn_of(times, stacklevel=2)
     made = _firmware(core, [])
-    budget = expanded_uncertainty(model, made.report, {**model.air, **assume}, stated_sizes)
+    budget = expanded_uncertainty(model, made.report, {**model.air, **assume}, known)
     found = [silicon.measure(made, core_) for core_ in silicon.cores_of(target)] if measure else []
     return _firmware(core, [one.to_dict() for one in found if one is not None], budget)
 

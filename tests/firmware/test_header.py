@@ -11,8 +11,8 @@ from toolchain import STRICT, run
 
 import echocal
 from echocal import Model, firmware
-from echocal.budget import COVERAGE, rounded_up
 from echocal.cli import main
+from echocal.device_uncertainty import COVERAGE, rounded_up
 from echocal.firmware import EchoCodes, Firmware
 from echocal.model import ResidualUncertainty
 

@@ -19,12 +19,12 @@ from rich.progress import (
 from rich.table import Table
 
 from echocal import silicon
-from echocal.budget import rounded_up
 from echocal.checksums import CHECKSUMS, listed, unedited
 from echocal.cli import _explore, _made_by
 from echocal.cli._complete import targets
 from echocal.cli._console import Console
 from echocal.cli._outputs import Force, Output, check_outputs, made_in, pass_on
+from echocal.device_uncertainty import rounded_up
 from echocal.echoes import BLANKING_M
 from echocal.errors import DomainWarning, UsageError
 from echocal.firmware import EchoCodes, Firmware, HumidityCodes, TemperatureCodes, generate

@@ -15,12 +15,12 @@
  *
  * Expanded uncertainty of an output (95 %, 1.96 standard uncertainties, JCGM 100:2008), at 20 degC or the nearest
  * accepted temperature:
- * - at 0.5 m: 1.086 mm
- * - at 1.0 m: 2.147 mm
- * - at 2.0 m: 4.282 mm
- * - at 4.0 m: 8.557 mm
+ * - at 0.5 m: 1.117 mm
+ * - at 1.0 m: 2.21 mm
+ * - at 2.0 m: 4.408 mm
+ * - at 4.0 m: 8.81 mm
  * It includes:
- * - no fitted parameters; the repeatability of a reading is not stated by the model, and not included
+ * - the law published; the model does not state the repeatability of a reading, so the uncertainty is without it
  * - echo times in steps of 1 us
  * - temperature in steps of 0.5 degC
  * - co2_mole_fraction, assumed 0.0004, anywhere in 0.0003 .. 0.002
@@ -133,7 +133,7 @@ static inline uint8_t echocal_status(uint16_t echo_us, int16_t temperature_code)
 static inline uint32_t echocal_uncertainty_um(int32_t distance)
 {
     const uint32_t length = (distance > 0) ? (uint32_t)distance : 0U;
-    return 155U + (((((length >> 8) + 1U) * 138U) + 255U) >> 8);
+    return 154U + (((((length >> 8) + 1U) * 142U) + 255U) >> 8);
 }
 
 #ifdef __cplusplus

@@ -24,12 +24,12 @@
  *
  * Expanded uncertainty of an output (95 %, 1.96 standard uncertainties, JCGM 100:2008), at 20 degC or the nearest
  * accepted temperature:
- * - at 0.5 m: 1.077 mm
- * - at 1.0 m: 2.143 mm
- * - at 2.0 m: 4.279 mm
- * - at 4.0 m: 8.555 mm
+ * - at 0.5 m: 1.108 mm
+ * - at 1.0 m: 2.206 mm
+ * - at 2.0 m: 4.406 mm
+ * - at 4.0 m: 8.809 mm
  * It includes:
- * - no fitted parameters; the repeatability of a reading is not stated by the model, and not included
+ * - the law published; the model does not state the repeatability of a reading, so the uncertainty is without it
  * - echo times in steps of 1 us
  * - temperature in steps of 0.5 degC
  * - co2_mole_fraction, assumed 0.0004, anywhere in 0.0003 .. 0.002
@@ -141,7 +141,7 @@ static inline uint8_t echocal_status(uint16_t echo_us, int16_t temperature_code)
 static inline uint32_t echocal_uncertainty_um(int32_t distance)
 {
     const uint32_t length = (distance > 0) ? (uint32_t)distance : 0U;
-    return 91U + (((((length >> 8) + 1U) * 139U) + 255U) >> 8);
+    return 91U + (((((length >> 8) + 1U) * 143U) + 255U) >> 8);
 }
 
 #ifdef __cplusplus

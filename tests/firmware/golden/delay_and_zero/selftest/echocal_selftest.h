@@ -16,10 +16,10 @@ extern "C" {
 #endif
 
 /** Return value of echocal_output_hash() if every output is as proven. */
-#define ECHOCAL_OUTPUT_HASH 0x0CD073617D474FA3ULL
+#define ECHOCAL_OUTPUT_HASH 0x05A82BFACE7BC0F8ULL
 
 /**
- * @brief Compare 26 outputs and statuses with their proven values. Inputs out of range are included.
+ * @brief Compare 27 outputs and statuses with their proven values. Inputs out of range are included.
  *
  * @return 0 if all are equal, otherwise the number of the first different one, counted from 1
  */

@@ -8,7 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.correct.uncertainty import Uncertainties, included, standard_uncertainty
+from echocal.budget import complete
+from echocal.budget.stated import Uncertainties
+from echocal.correct.uncertainty import included, standard_uncertainty
 from echocal.errors import DomainWarning
 from echocal.model import Model
 from echocal.observations import Observations
@@ -29,7 +31,7 @@ _RECTANGULAR = 1.0 / math.sqrt(
 
 
 def expanded_uncertainty(
-    model: Model, report: Mapping[str, Any], air: Mapping[str, float], stated: Mapping[str, float]
+    model: Model, report: Mapping[str, Any], air: Mapping[str, float], stated: Uncertainties
 ) -> dict[str, Any]:
     """Expanded uncertainties of a device's outputs, and a line that is nowhere below them.
 
@@ -41,8 +43,9 @@ def expanded_uncertainty(
         What was proven.
     air : mapping of str to float
         Values of what the device does not measure.
-    stated : mapping of str to float
-        Standard uncertainties that the user states, by quantity [SI].
+    stated : Uncertainties
+        What the user states. Where the model has no repeatability, the published uncertainty of its law
+        counts, too.
 
     Returns
     -------
@@ -56,6 +59,7 @@ def expanded_uncertainty(
     marks = [distance for distance in _AT if near <= distance <= far]
     distance = np.array([*marks, *np.linspace(near, far, _STEPS)])
     conditions = _conditions(kept, report["device"]["conditions"], air)
+    stated = complete(kept, stated, {})
     own, words = _inputs(kept, report["device"], conditions, stated)
     columns = {name: np.full(distance.size, value) for name, value in conditions.items()}
     with warnings.catch_warnings(action="ignore", category=DomainWarning):  # told of the code ranges
@@ -68,12 +72,8 @@ def expanded_uncertainty(
     offset, slope = _line(distance, total)
     parts = [*words, f"the arithmetic, anywhere within {rounded_up(bounds[0] * 1e3):g} mm"]
     parts += [f"effects that are left out, anywhere within {rounded_up(one * 1e3):g} mm" for one in left_out]
-    known = included(kept, Uncertainties())
-    if kept.residual_uncertainty is None:
-        known = known or "no fitted parameters"
-        known += "; the repeatability of a reading is not stated by the model, and not included"
     return {
-        "includes": [known.partition(" includes ")[2] or known, *parts],
+        "includes": [included(kept, stated).partition(" includes ")[2], *parts],
         "expanded": [(d, float(u)) for d, u in zip(marks, total[: len(marks)].tolist(), strict=True)],
         "offset": offset,
         "slope": slope,
@@ -119,7 +119,7 @@ def _inputs(
     model: Model,
     device: Mapping[str, Any],
     conditions: Mapping[str, float],
-    stated: Mapping[str, float],
+    stated: Uncertainties,
 ) -> tuple[Uncertainties, list[str]]:
     """Return the standard uncertainties of what the model reads, and words for them.
 
@@ -132,18 +132,18 @@ def _inputs(
         step, unit = abs(axis["lsb"]), "" if axis["unit"] == "1" else f" {axis['unit']}"
         sizes[axis["quantity"]] = step * _RECTANGULAR
         words.append(f"{axis['quantity']} in steps of {step:g}{unit}")
-    for name in sorted(model.reads & conditions.keys() - sizes.keys() - stated.keys()):
+    known = {source.quantity for source in stated.sources}
+    for name in sorted(model.reads & conditions.keys() - sizes.keys() - known):
         facts = QUANTITIES[name]
         low, high = (end + conditions.get(str(facts.field_from), 0.0) for end in facts.field_range)
         unit = "" if facts.unit == "1" else f" {facts.unit}"
         sizes[name] = (high - low) * _RECTANGULAR
         words.append(f"{name}, assumed {conditions[name]:g}{unit}, anywhere in {low:g} .. {high:g}{unit}")
-    for name, size in stated.items():
+    for name, size in stated.stated.items():
         sizes[name] = math.hypot(sizes.get(name, 0.0), size)
-        words.append(f"the stated standard uncertainty of {name.replace('_', ' ')}, {size:g}")
-    if "temperature" not in stated:
+    if "temperature" not in known:
         words.append("nothing of the error of the thermometer itself: state it to include it")
-    return Uncertainties(sizes), words
+    return Uncertainties(sizes, stated.instruments), words
 
 
 def _line(distance: NDArray[np.float64], total: NDArray[np.float64]) -> tuple[float, float]:
