@@ -4,13 +4,14 @@ mod c;
 mod golden;
 mod package;
 mod python;
+mod reach;
 mod report;
 mod selftest;
 mod status;
 mod text;
 
 pub use package::{PACKAGES, Package};
-pub use report::{Measurement, Provenance};
+pub use report::{Measurement, Provenance, Uncertainty};
 
 use crate::design::Design;
 use crate::device::{Axis, Device};
@@ -104,7 +105,9 @@ pub fn emit(
     device: &Device,
     provenance: &Provenance,
     measured: &[Measurement],
+    uncertainty: &Uncertainty,
 ) -> Result<Vec<(String, String)>, Error> {
+    let reach = reach::reach(design, device);
     let package = Package::parse(&provenance.package)?;
     let (vectors, count) = selftest::columns(design, device);
     let context = context! {
@@ -114,6 +117,9 @@ pub fn emit(
         name => provenance.name,
         statuses => status::statuses(device),
         time_out => device.time_out(),
+        reach,
+        bounded_to => provenance.maximum_distance.min((reach.sometimes.1 * 1e3).ceil() / 1e3),
+        uncertainty => uncertainty_text(uncertainty, device),
         echo_timeout_us => echo_timeout(&device.echo),
         python => python_text(design, &provenance.name),
         proof => proof_text(design, device, provenance.maximum_error),
@@ -124,7 +130,7 @@ pub fn emit(
     files.push((golden, golden::golden(design, device)));
     files.push((
         "report.json".into(),
-        report::report(design, device, provenance, measured),
+        report::report(design, device, provenance, (measured, uncertainty), reach),
     ));
     Ok(files)
 }
@@ -181,7 +187,21 @@ fn proof_text(design: &Design, device: &Device, asked: f64) -> minijinja::Value 
         overall_worst => input(proof.overall),
         inputs => grouped(proof.inputs),
         bounded_inputs => grouped(proof.bounded_inputs),
-        hash => format!("{:08x}", proof.hash),
+        hash => format!("{:016x}", proof.hash),
+    }
+}
+
+/// The expanded uncertainty, and the integers of the function that gives it to the device: [um] at 0, and [um] per 2^8
+/// steps of the shifted output, both rounded up.
+fn uncertainty_text(uncertainty: &Uncertainty, device: &Device) -> minijinja::Value {
+    let shift = if device.output.is_coarse() { 0 } else { 8 };
+    let step = device.output.lsb * 1e6 * f64::from(1 << shift); // um
+    context! {
+        includes => uncertainty.includes,
+        expanded => uncertainty.expanded,
+        shift,
+        offset => (uncertainty.offset * 1e6).ceil() as u64,
+        slope => (uncertainty.slope * step * 256.0).ceil() as u64,
     }
 }
 
