@@ -6,6 +6,7 @@ mod package;
 mod python;
 mod report;
 mod selftest;
+mod templates;
 mod text;
 
 pub use package::{PACKAGES, Package};
@@ -106,7 +107,10 @@ pub fn emit(
 ) -> Result<Vec<(String, String)>, Error> {
     let package = Package::parse(&provenance.package)?;
     let (vectors, count) = selftest::columns(design, device);
+    let outputs = format!("{:08x}", design.proof.hash);
     let context = context! {
+        library => format!("Echocal_{:.8}", provenance.model_hash),
+        library_version => format!("{}+{outputs}", provenance.version),
         provenance,
         measured,
         function => function_text(design, device),

@@ -25,7 +25,7 @@
  */
 #include <Arduino.h>
 
-#include <echocal_correction.h>
+#include <Echocal_7f8cc3f8.h>
 
 #if defined(ARDUINO_ARCH_ESP32)
 static const uint8_t TRIGGER_PIN = 4;
