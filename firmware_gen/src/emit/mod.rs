@@ -136,7 +136,7 @@ fn echo_timeout(echo: &Axis) -> f64 {
 /// The function in Python.
 fn python_text(design: &Design) -> minijinja::Value {
     let (locals, result) = python::statements(&design.program);
-    context! { locals, result }
+    context! { locals, result, tables => python::tables(&design.program) }
 }
 
 /// The function: parameters, range checks, tables, statements.
