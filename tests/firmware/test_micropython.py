@@ -41,6 +41,21 @@ for echo in %s:
     for codes in %s:
         print(distance_um(echo, *codes))
 """
+# On the heap of a micro:bit; a call that needs it fails with MemoryError.
+WITHOUT_HEAP = """
+import micropython
+def call(inputs):
+    micropython.heap_lock()
+    try:
+        for codes in inputs:
+            %s
+    except MemoryError:
+        return "heap"
+    finally:
+        micropython.heap_unlock()
+    return "no heap"
+print(call(%s))
+"""
 
 
 @pytest.mark.slow
@@ -54,6 +69,22 @@ def test_micropython_gives_the_bits_of_the_twin(name: str) -> None:
     *_, said = execute(packed.files["echocal_correction.py"], PRINT_ALL % (echo, rows))
     inputs = [(time, *row) for time in echo for row in rows]
     assert list(map(int, said.split())) == packed.distance_um(*np.transpose(inputs)).tolist()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", [*(name for name in CASES if name != "full_table"), "humid"])
+def test_a_call_needs_no_heap(name: str) -> None:
+    """It took 96 bytes where the target was far and warm: products of 31 bits and more."""
+    packed = with_humidity("micropython", "c99") if name == "humid" else made(name, "micropython")
+    device = packed.report["device"]
+    axes = [axis["codes"] for axis in (device["echo"], *device["conditions"])]
+    inputs = list(itertools.product(*((codes["minimum"], codes["maximum"]) for codes in axes)))
+    arguments = ", ".join(f"codes[{index}]" for index in range(len(axes)))
+    calls = [f"distance_um({arguments})", "codes[0] * 65536"]
+    programs = [WITHOUT_HEAP % (text, inputs) for text in calls]
+    *_, said, control = execute(packed.files["echocal_correction.py"], *programs)
+    assert said == "no heap"
+    assert control == "heap", "a product that is not small is noticed"
 
 
 @pytest.mark.slow

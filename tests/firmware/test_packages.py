@@ -1,6 +1,7 @@
 """Packagings: which files, the same function in each, and what can be run of them on a PC."""
 
 import configparser
+import json
 import re
 import subprocess
 from pathlib import Path
@@ -8,7 +9,7 @@ from pathlib import Path
 import pytest
 from boards import rules
 from boards.esphome import ENVIRONMENT
-from conftest import DELAY_AND_ZERO, made
+from conftest import DELAY_AND_ZERO, made, with_humidity
 from toolchain import run
 
 from echocal import Model, UsageError, firmware
@@ -52,6 +53,20 @@ FILES = {
         "main.py",
         "package.json",
     },
+    "esp-idf": {
+        "CMakeLists.txt",
+        "LICENSE",
+        "README.md",
+        "idf_component.yml",
+        *(f"src/{name}" for name in C),
+    },
+    "zephyr": {
+        "LICENSE",
+        "README.md",
+        *(f"src/{name}" for name in C),
+        *(f"zephyr/{name}" for name in ("CMakeLists.txt", "Kconfig", "module.yml")),
+    },
+    "rust": {"Cargo.toml", "LICENSE", "README.md", "src/lib.rs", "tests/golden.rs"},
 }
 
 
@@ -64,7 +79,7 @@ def test_the_files_of_a_package(package: str, tmp_path: Path) -> None:
     assert packed.report["provenance"]["package"] == package
 
 
-@pytest.mark.parametrize("package", [name for name in FILES if name != "micropython"])
+@pytest.mark.parametrize("package", [name for name in FILES if name not in {"micropython", "rust"}])
 def test_every_package_holds_the_same_c(package: str) -> None:
     plain, packed = made("avr_table"), made("avr_table", package)
     (source,) = (text for path, text in packed.files.items() if path.endswith("correction.c"))
@@ -116,7 +131,9 @@ def test_the_readme_states_what_was_proven_and_measured(package: str) -> None:
     assert stated is not None
     assert 0 <= float(stated[1]) - packed.report["error_proven_m"] * 1e3 < 1e-4, "rounded up"
     assert f"model `{packed.report['provenance']['model_hash']}`" in text
-    assert "Flash and time of this function were not measured" in text
+    assert ("Flash and time of this function were not measured" in text) == (
+        package not in {"micropython", "rust"}
+    )
     assert "not tested on a real board" in " ".join(text.split())
     assert "Permission is hereby granted" in license_text
     assert "{" not in license_text
@@ -127,6 +144,13 @@ def test_an_unknown_package_is_refused_before_the_proof() -> None:
     with pytest.raises(UsageError, match="unknown package 'deb'; this version has c, arduino, platformio"):
         firmware.generate(Model("cramer"), package="deb", progress=lambda *step: proofs.append(step))
     assert not proofs
+
+
+def python() -> Path:
+    """The interpreter of the environment that has PlatformIO and kconfiglib."""
+    if not (ENVIRONMENT / "bin/python").exists():
+        pytest.skip("no PlatformIO: see test_esphome.py")
+    return ENVIRONMENT / "bin/python"
 
 
 # PlatformIO asks the network for the list of licenses; two of them are ours.
@@ -146,10 +170,7 @@ print(*ManifestSchema().load_manifest(manifest)["headers"])
 )
 def test_platformio_accepts_the_manifest(package: str, file: str, tmp_path: Path) -> None:
     made("avr_table", package).save(tmp_path)
-    python = ENVIRONMENT / "bin/python"
-    if not python.exists():
-        pytest.skip("no PlatformIO: see test_esphome.py")
-    assert run(python, "-c", READ_MANIFEST, tmp_path / file).split() == [f"{LIBRARY}.h"]
+    assert run(python(), "-c", READ_MANIFEST, tmp_path / file).split() == [f"{LIBRARY}.h"]
 
 
 @pytest.mark.parametrize(("name", "board"), [("avr_table", "uno"), ("word_of_32_bits", "nucleo_f072rb")])
@@ -197,3 +218,60 @@ static int failures;
 #define RUN_TEST(test) test()
 #define TEST_ASSERT_EQUAL_UINT16(expected, found) (failures += (expected) != (found))
 """
+
+
+READ_KCONFIG = """
+import sys, kconfiglib
+kconfig = kconfiglib.Kconfig(sys.argv[1])
+print(*sorted(name for name in kconfig.syms if name.startswith("ECHOCAL")), *kconfig.warnings)
+"""
+
+
+@pytest.mark.parametrize(
+    ("package", "listing"), [("esp-idf", "CMakeLists.txt"), ("zephyr", "zephyr/CMakeLists.txt")]
+)
+def test_the_listed_files_are_a_library(package: str, listing: str, tmp_path: Path) -> None:
+    """What the build of the framework is told to compile and to search; the framework itself is not there."""
+    packed = made("avr_table", package)
+    packed.save(tmp_path)
+    folder = (tmp_path / listing).parent
+    sources = [folder / name for name in re.findall(r'[^\s"(]+\.c\b', packed.files[listing])]
+    assert [path.name for path in sources] == [C[0], C[2]]
+    (include,) = {path.parent for path in sources}
+    main = tmp_path / "main.c"
+    main.write_text("#include <echocal_selftest.h>\nint main(void) { return echocal_selftest(); }\n")
+    run("gcc", "-Wall", "-Wextra", "-Werror", f"-I{include}", main, *sources, "-o", tmp_path / "main")
+    assert not run(tmp_path / "main")
+    if package == "esp-idf":
+        fields = {"version", "description", "license", "url", "tags", "dependencies"}
+        assert read_yaml(tmp_path / "idf_component.yml").keys() == fields
+    else:
+        build = {"cmake": "zephyr", "kconfig": "zephyr/Kconfig"}
+        assert read_yaml(folder / "module.yml") == {"name": LIBRARY.lower(), "build": build}
+        symbols = run(python(), "-c", READ_KCONFIG, folder / "Kconfig").split()
+        assert symbols == ["ECHOCAL", "ECHOCAL_SELFTEST"]
+
+
+def read_yaml(path: Path) -> dict[str, object]:
+    """What ESPHome's own parser reads."""
+    text = run(
+        python(),
+        "-c",
+        "import json, sys, yaml; print(json.dumps(yaml.safe_load(sys.stdin)))",
+        text=path.read_text(),
+    )
+    return dict(json.loads(text))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "name", ["degree_2", "degree_5", "avr_table", "product_of_64_bits", "falling_speed", "humid"]
+)
+def test_the_crate_passes_its_test(name: str, tmp_path: Path) -> None:
+    """With overflow checks; in Rust a value that does not fit its type panics."""
+    packed = with_humidity("rust") if name == "humid" else made(name, "rust")
+    packed.save(tmp_path)
+    done = subprocess.run(("cargo", "test", "-q", "--offline"), cwd=tmp_path, capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "warning" not in done.stderr
+    assert done.stdout.count("1 passed") == 1

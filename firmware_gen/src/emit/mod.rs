@@ -5,6 +5,7 @@ mod golden;
 mod package;
 mod python;
 mod report;
+mod rust;
 mod selftest;
 mod templates;
 mod text;
@@ -116,6 +117,7 @@ pub fn emit(
         function => function_text(design, device),
         echo_timeout_us => echo_timeout(&device.echo),
         python => python_text(design),
+        rust => rust_text(design, device),
         proof => proof_text(design, device, provenance.maximum_error),
         selftest => context! { columns => vectors, count },
     };
@@ -135,8 +137,15 @@ fn echo_timeout(echo: &Axis) -> f64 {
 
 /// The function in Python.
 fn python_text(design: &Design) -> minijinja::Value {
-    let (locals, result) = python::statements(&design.program);
-    context! { locals, result, tables => python::tables(&design.program) }
+    let (locals, result, heap) = python::statements(&design.program);
+    context! { locals, result, heap, tables => python::tables(&design.program) }
+}
+
+/// The function in Rust.
+fn rust_text(design: &Design, device: &Device) -> minijinja::Value {
+    let (locals, result) = rust::statements(&design.program);
+    let types = device.axes().map(|axis| rust::name(axis.ty));
+    context! { locals, result, types => types.collect::<Vec<_>>(), tables => rust::tables(&design.program) }
 }
 
 /// The function: parameters, range checks, tables, statements.

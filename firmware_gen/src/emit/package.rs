@@ -115,6 +115,46 @@ pub const PACKAGES: &[Package] = &[
             ("package.json", "micropython/package.json"),
         ],
     },
+    Package {
+        name: "esp-idf",
+        pulses: ANY,
+        parts: &[
+            README,
+            LICENSE,
+            ("CMakeLists.txt", "esp-idf/CMakeLists.txt"),
+            ("idf_component.yml", "esp-idf/idf_component.yml"),
+            ("src/echocal_correction.h", HEADER),
+            ("src/echocal_correction.c", SOURCE),
+            ("src/echocal_selftest.h", SELFTEST_HEADER),
+            ("src/echocal_selftest.c", SELFTEST),
+        ],
+    },
+    Package {
+        name: "zephyr",
+        pulses: ANY,
+        parts: &[
+            README,
+            LICENSE,
+            ("zephyr/module.yml", "zephyr/module.yml"),
+            ("zephyr/CMakeLists.txt", "zephyr/CMakeLists.txt"),
+            ("zephyr/Kconfig", "zephyr/Kconfig"),
+            ("src/echocal_correction.h", HEADER),
+            ("src/echocal_correction.c", SOURCE),
+            ("src/echocal_selftest.h", SELFTEST_HEADER),
+            ("src/echocal_selftest.c", SELFTEST),
+        ],
+    },
+    Package {
+        name: "rust",
+        pulses: ANY,
+        parts: &[
+            README,
+            LICENSE,
+            ("Cargo.toml", "rust/Cargo.toml"),
+            ("src/lib.rs", "rust/lib.rs"),
+            ("tests/golden.rs", "rust/golden.rs"),
+        ],
+    },
 ];
 
 impl Package {

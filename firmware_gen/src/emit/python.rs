@@ -39,22 +39,26 @@ struct Writer<'a> {
     program: &'a Program,
     locals: Vec<Local>,
     values: Vec<Parts>,
+    /// Whether some value is written whole although it is not small.
+    heap: bool,
 }
 
-/// The statements of a program: its locals, and what it returns.
+/// The statements of a program: its locals, what it returns, and whether a call needs memory on the heap.
 #[must_use]
-pub fn statements(program: &Program) -> (Vec<Local>, String) {
+pub fn statements(program: &Program) -> (Vec<Local>, String, bool) {
     let mut writer = Writer {
         program,
         locals: Vec::new(),
         values: Vec::new(),
+        heap: false,
     };
     for index in 0..program.nodes.len() {
         let parts = writer.node(index);
         writer.values.push(parts);
     }
     let result = joined(&writer.values[program.result.index()], 0);
-    (writer.locals, result)
+    let heap = writer.heap || !SMALL.covers(program.node(program.result).range);
+    (writer.locals, result, heap)
 }
 
 /// The tables; one with entries that are not small is written as one table for each part.
@@ -150,10 +154,15 @@ fn bare(text: &str) -> String {
     let inner = text
         .strip_prefix('(')
         .and_then(|rest| rest.strip_suffix(')'));
-    inner
-        .filter(|inner| !inner.contains(['(', ')']))
-        .unwrap_or(text)
-        .to_owned()
+    // Brackets that close before others open belong to two parts: `(a) + (b)`.
+    let mut depth = 0;
+    let around = inner.is_some_and(|inner| {
+        inner.chars().all(|letter| {
+            depth += i32::from(letter == '(') - i32::from(letter == ')');
+            depth >= 0
+        })
+    });
+    inner.filter(|_| around).unwrap_or(text).to_owned()
 }
 
 /// Exact bounds of a sum of products.
@@ -244,12 +253,15 @@ impl Writer<'_> {
         let columns: Vec<_> = (0..count)
             .map(|place| (text(place), column(place)))
             .collect();
-        self.carried(value, &columns).unwrap_or_else(|| {
-            vec![term(
-                format!("({} {operator} {})", joined(&left, 0), joined(&right, 0)),
-                range,
-            )]
-        })
+        let parts = self.carried(value, &columns);
+        parts.unwrap_or_else(|| self.whole(&left, operator, &right, range))
+    }
+
+    /// A value of any size in one variable.
+    fn whole(&mut self, left: &[Term], operator: &str, right: &[Term], range: Range) -> Parts {
+        self.heap = true;
+        let text = format!("({} {operator} {})", joined(left, 0), joined(right, 0));
+        vec![term(text, range)]
     }
 
     /// The parts of a product: of a short factor and of parts of the other, or of parts of both.
@@ -288,10 +300,7 @@ impl Writer<'_> {
                 return parts;
             }
         }
-        vec![term(
-            format!("({} * {})", joined(&left, 0), joined(&right, 0)),
-            range,
-        )]
+        self.whole(&left, "*", &right, range)
     }
 
     /// Parts from the sums of columns, with the carry of each added to the next; none if one of them is not small.
