@@ -7,10 +7,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from boards.esphome import PLATFORMS, build_library, configuration, esphome, generate, link, published
+from boards.esphome import FLAGS, PLATFORMS, build_library, configuration, esphome, generate, link, published
 from conftest import made, with_humidity
 from test_codes import METERS
 from test_codes import made as odd
+from toolchain import run
 
 from echocal import Model, UsageError, firmware
 from echocal.firmware import EchoCodes, Firmware
@@ -125,6 +126,10 @@ def reasons(packed: Firmware, pulse: Any) -> set[str]:
     first, last = ends(packed)
     if length == 0:
         return {"no echo"}
+    # So late a module ends its pulse without an echo.
+    late = max(int(35_000 / tick(packed)), round(last / tick(packed))) + 1
+    if late <= round(length / tick(packed)) and late <= 65_535:
+        return {"no echo"}
     far = {"too near" if length < first else "too far"}
     return far if silence + length <= last + 25_000 else far | {"no echo"}
 
@@ -154,6 +159,23 @@ def test_esphome_accepts_the_configuration(name: str, platform: str, tmp_path: P
     told = esphome("config", configuration(packed, tmp_path, platform))
     (timeout,) = re.findall(r"^    timeout: (\d+)us$", told, re.MULTILINE)
     assert ends(packed)[1] + 12_300 < float(timeout) < ends(packed)[1] + 26_000, "pulses begin within 12.3 ms"
+
+
+def test_two_calibrations_in_one_node(tmp_path: Path) -> None:
+    request = {"package": "esphome", "temperature": HALF_DEGREES}
+    for name, pins in (("echocal", "GPIO5"), ("left_tank", "GPIO15")):
+        packed = firmware.generate(Model("cramer"), name=name, **request)
+        text = packed.files[f"{name}.yaml"]
+        packed.files[f"{name}.yaml"] = text.replace("GPIO5", pins).replace("Distance", f"Distance {name}")
+        path = configuration(packed, tmp_path)
+    path.write_text(path.read_text().replace("sensor:", "  left_tank: !include left_tank.yaml\nsensor:", 1))
+    esphome("compile", "--only-generate", path)
+    source = tmp_path / ".esphome/build/node/src"
+    main = (source / "main.cpp").read_text()
+    for name in ("echocal", "left_tank"):
+        assert f"{name}::EchocalSensor" in main
+        sensor = source / f"esphome/components/{name}/{name}_sensor.cpp"
+        run("g++", *FLAGS, "-fsyntax-only", f"-I{source}", sensor)
 
 
 @pytest.mark.parametrize(

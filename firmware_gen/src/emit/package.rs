@@ -88,19 +88,19 @@ pub const PACKAGES: &[Package] = &[
         parts: &[
             README,
             LICENSE,
-            ("echocal.yaml", "esphome/echocal.yaml"),
-            ("components/echocal/__init__.py", "esphome/init.py"),
-            ("components/echocal/sensor.py", "esphome/sensor.py"),
+            ("{{ name }}.yaml", "esphome/echocal.yaml"),
+            ("components/{{ name }}/__init__.py", "esphome/init.py"),
+            ("components/{{ name }}/sensor.py", "esphome/sensor.py"),
             (
-                "components/echocal/echocal_sensor.h",
+                "components/{{ name }}/echocal_sensor.h",
                 "esphome/echocal_sensor.h",
             ),
             (
-                "components/echocal/echocal_sensor.cpp",
+                "components/{{ name }}/echocal_sensor.cpp",
                 "esphome/echocal_sensor.cpp",
             ),
-            ("components/echocal/echocal_correction.h", HEADER),
-            ("components/echocal/echocal_correction.c", SOURCE),
+            ("components/{{ name }}/echocal_correction.h", HEADER),
+            ("components/{{ name }}/echocal_correction.c", SOURCE),
         ],
     },
     Package {
@@ -189,11 +189,15 @@ impl Package {
         )))
     }
 
-    /// Path and text of each file.
+    /// Path and text of each file. In both, `name` takes the place of `echocal` in identifiers.
     ///
     /// # Errors
     /// [`Error::Template`] if a template fails, a defect of this crate.
-    pub fn render(&self, context: &minijinja::Value) -> Result<Vec<(String, String)>, Error> {
-        render(self.parts, context)
+    pub fn render(
+        &self,
+        context: &minijinja::Value,
+        name: &str,
+    ) -> Result<Vec<(String, String)>, Error> {
+        render(self.parts, context, name)
     }
 }

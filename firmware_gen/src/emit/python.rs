@@ -1,21 +1,13 @@
 //! A program as Python text, for MicroPython and CircuitPython. Integers are exact there, but those outside of 31 bits are
 //! objects on the heap, also on the way to a small result: they are kept as parts of 14 bits, each in a variable.
 
-use super::text::Local;
+use super::parts::{
+    BELOW, PART, Parts, SMALL, Term, bare, bounds, constant_parts, constant_term, fully, joined,
+    number_of_parts, shifted, split, term,
+};
+use super::text::{Local, named};
 use crate::ir::{Operation, Program, Range, Table, Value};
 use serde::Serialize;
-
-/// Bits of a part. The product of a part and of 16 bits, with a carry, fits 31 bits with its sign.
-const PART: u32 = 14;
-const BELOW: Range = Range {
-    minimum: 0,
-    maximum: (1 << PART) - 1,
-};
-/// What an integer without an object holds where a word has 32 bits.
-const SMALL: Range = Range {
-    minimum: -(1 << 30),
-    maximum: (1 << 30) - 1,
-};
 
 /// A table as Python reads it: entries that are small, or those of one part.
 #[derive(Serialize)]
@@ -24,16 +16,6 @@ pub struct TableText<'a> {
     note: &'a str,
     entries: Vec<i64>,
 }
-
-/// A text and the values that it takes.
-#[derive(Clone)]
-struct Term {
-    text: String,
-    range: Range,
-}
-
-/// A value: its parts, the lowest first; only the highest may be negative or have more bits.
-type Parts = Vec<Term>;
 
 struct Writer<'a> {
     program: &'a Program,
@@ -61,9 +43,9 @@ pub fn statements(program: &Program) -> (Vec<Local>, String, bool) {
     (writer.locals, result, heap)
 }
 
-/// The tables; one with entries that are not small is written as one table for each part.
+/// The tables, whose names begin with `own`; one with entries that are not small is written as one table for each part.
 #[must_use]
-pub fn tables(program: &Program) -> Vec<TableText<'_>> {
+pub fn tables<'a>(program: &'a Program, own: &str) -> Vec<TableText<'a>> {
     let parts = |table: &Table| number_of_parts(entries(table)) as u32;
     let text = |table: &'_ Table, part: u32| {
         let last = part + 1 == parts(table);
@@ -72,7 +54,7 @@ pub fn tables(program: &Program) -> Vec<TableText<'_>> {
             if last { rest } else { rest & BELOW.maximum }
         };
         (
-            table_part(table, part as usize),
+            named(&table_part(table, part as usize), own),
             table.entries.iter().map(entry).collect(),
         )
     };
@@ -102,83 +84,6 @@ fn entries(table: &Table) -> Range {
     let ends = (table.entries.iter().min(), table.entries.iter().max());
     let (minimum, maximum) = (*ends.0.unwrap_or(&0), *ends.1.unwrap_or(&0));
     Range { minimum, maximum }
-}
-
-/// How many parts hold these values, so that the highest is small.
-fn number_of_parts(range: Range) -> usize {
-    let mut rest = range;
-    let mut count = 1;
-    while !SMALL.covers(rest) {
-        rest = shifted(rest, PART);
-        count += 1;
-    }
-    count
-}
-
-fn shifted(range: Range, bits: u32) -> Range {
-    Range {
-        minimum: range.minimum >> bits,
-        maximum: range.maximum >> bits,
-    }
-}
-
-/// Sum of the parts from bit `bits` on, as one expression.
-fn joined(parts: &[Term], bits: u32) -> String {
-    let skipped = (bits / PART) as usize;
-    let rest = bits % PART;
-    let place = |(index, part): (usize, &Term)| {
-        let up = PART * index as u32;
-        match up.cmp(&rest) {
-            std::cmp::Ordering::Equal => part.text.clone(),
-            std::cmp::Ordering::Less => format!("({} >> {rest})", part.text),
-            std::cmp::Ordering::Greater => format!("({} << {})", part.text, up - rest),
-        }
-    };
-    let terms: Vec<_> = parts
-        .iter()
-        .skip(skipped)
-        .enumerate()
-        .map(place)
-        .rev()
-        .collect();
-    let sum = if terms.is_empty() {
-        "0".to_owned()
-    } else {
-        terms.join(" + ")
-    };
-    bare(&sum)
-}
-
-/// Without brackets around the whole.
-fn bare(text: &str) -> String {
-    let inner = text
-        .strip_prefix('(')
-        .and_then(|rest| rest.strip_suffix(')'));
-    // Brackets that close before others open belong to two parts: `(a) + (b)`.
-    let mut depth = 0;
-    let around = inner.is_some_and(|inner| {
-        inner.chars().all(|letter| {
-            depth += i32::from(letter == '(') - i32::from(letter == ')');
-            depth >= 0
-        })
-    });
-    inner.filter(|_| around).unwrap_or(text).to_owned()
-}
-
-/// Exact bounds of a sum of products.
-fn bounds(products: &[(&Term, &Term)], carry: Range) -> Range {
-    let mut sum = carry;
-    for (a, b) in products {
-        let corners = [
-            a.range.minimum * b.range.minimum,
-            a.range.minimum * b.range.maximum,
-            a.range.maximum * b.range.minimum,
-            a.range.maximum * b.range.maximum,
-        ];
-        sum.minimum += corners.into_iter().fold(i64::MAX, i64::min);
-        sum.maximum += corners.into_iter().fold(i64::MIN, i64::max);
-    }
-    sum
 }
 
 impl Writer<'_> {
@@ -409,70 +314,4 @@ impl Writer<'_> {
     fn parts(&self, value: Value) -> Parts {
         self.values[value.index()].clone()
     }
-}
-
-fn term(text: String, range: Range) -> Term {
-    Term { text, range }
-}
-
-fn constant_term(value: i64) -> Term {
-    term(
-        value.to_string(),
-        Range {
-            minimum: value,
-            maximum: value,
-        },
-    )
-}
-
-fn constant_parts(constant: i64) -> Parts {
-    let range = Range {
-        minimum: constant,
-        maximum: constant,
-    };
-    let count = number_of_parts(range) as u32;
-    let part = |part: u32| {
-        let rest = constant >> (PART * part);
-        constant_term(if part + 1 == count {
-            rest
-        } else {
-            rest & BELOW.maximum
-        })
-    };
-    (0..count).map(part).collect()
-}
-
-/// The same value in `count` parts or more.
-fn split(parts: &[Term], count: usize) -> Parts {
-    let mut found = parts.to_vec();
-    while found.len() < count {
-        let Some(top) = found.pop() else { break };
-        match top.text.parse::<i64>() {
-            Ok(constant) => {
-                found.push(constant_term(constant & BELOW.maximum));
-                found.push(constant_term(constant >> PART));
-            }
-            Err(_) => {
-                found.push(term(format!("({} & {})", top.text, BELOW.maximum), BELOW));
-                found.push(term(
-                    format!("({} >> {PART})", top.text),
-                    shifted(top.range, PART),
-                ));
-            }
-        }
-    }
-    found
-}
-
-/// The same value in parts of which the highest, too, has 14 bits and a sign.
-fn fully(parts: &[Term]) -> Parts {
-    let mut found = parts.to_vec();
-    let short = Range {
-        minimum: -BELOW.maximum - 1,
-        maximum: BELOW.maximum,
-    };
-    while found.last().is_some_and(|top| !short.covers(top.range)) {
-        found = split(&found, found.len() + 1);
-    }
-    found
 }

@@ -1,6 +1,6 @@
 //! A program as Rust text. Each step has the types that the program claims, so a conversion changes no value.
 
-use super::text::Local;
+use super::text::{Local, named};
 use crate::ir::{IntegerType, Operation, Program, Table, Value};
 use serde::Serialize;
 
@@ -13,11 +13,11 @@ pub struct TableText<'a> {
     entries: &'a [i64],
 }
 
-/// The tables.
+/// The tables, whose names begin with `own`.
 #[must_use]
-pub fn tables(program: &Program) -> Vec<TableText<'_>> {
+pub fn tables<'a>(program: &'a Program, own: &str) -> Vec<TableText<'a>> {
     let text = |table| TableText {
-        name: constant_name(table),
+        name: named(&constant_name(table), own),
         ty: name(table.ty),
         note: &table.note,
         entries: &table.entries,

@@ -1,5 +1,6 @@
 //! Texts of the templates, the filters that they use, and the files that they make.
 
+use super::text::named;
 use crate::error::Error;
 use minijinja::{AutoEscape, Environment, UndefinedBehavior};
 
@@ -66,24 +67,27 @@ const TEMPLATES: &[(&str, &str)] = templates![
 /// The license text of this project.
 const MIT: &str = include_str!("../../../LICENSE-MIT");
 
-/// Path and text of each file. A path is a template, too: it may hold the name of a library.
+/// Path and text of each file. A path is a template, too: it may hold the name of a library. In both, `name` takes the
+/// place of `echocal` in identifiers.
 ///
 /// # Errors
 /// [`Error::Template`] if a template fails, a defect of this crate.
 pub(super) fn render(
     parts: &[(&str, &str)],
     context: &minijinja::Value,
+    name: &str,
 ) -> Result<Vec<(String, String)>, Error> {
-    let environment = environment()?;
+    let environment = environment(name)?;
     let file = |(path, template): &(&str, &str)| {
         let text = environment.get_template(template)?.render(context)?;
-        Ok((environment.render_str(path, context)?, text))
+        let path = environment.render_str(&named(path, name), context)?;
+        Ok((path, text))
     };
     let files: Result<_, minijinja::Error> = parts.iter().map(file).collect();
     files.map_err(|error| failed(&error))
 }
 
-fn environment() -> Result<Environment<'static>, Error> {
+fn environment(own: &str) -> Result<Environment<'static>, Error> {
     let mut environment = Environment::new();
     environment.set_trim_blocks(true);
     environment.set_lstrip_blocks(true);
@@ -96,7 +100,7 @@ fn environment() -> Result<Environment<'static>, Error> {
     environment.add_filter("pico", |value: f64| (value * 1e12).round() as i64);
     for (name, text) in TEMPLATES.iter().chain(&[("package/MIT", MIT)]) {
         environment
-            .add_template(name, text)
+            .add_template_owned(*name, named(text, own))
             .map_err(|error| failed(&error))?;
     }
     Ok(environment)

@@ -49,12 +49,12 @@ def distance_um(echo_us, temperature_code):
     # high byte of first_line; it refines the curvature
     correction = first_line >> 8
     # linear in the temperature index
-    second_line = ((11131 - (temperature_index * 4)) - correction)
+    second_line = (11131 - (temperature_index * 4)) - correction
     # half the speed of sound [2^-8 um per echo code]
-    speed = (((first_line * second_line) >> 16) + 40844)
+    speed = ((first_line * second_line) >> 16) + 40844
     # an intermediate value, in parts of 14 bits
     wide16_0 = echo_us * (speed & 16383)
     wide16_1 = echo_us * (speed >> 14) + (wide16_0 >> 14)
     # distance [um]
-    distance = ((wide16_1 << 6) + ((wide16_0 & 16383) >> 8))
+    distance = (wide16_1 << 6) + ((wide16_0 & 16383) >> 8)
     return distance

@@ -50,10 +50,10 @@ def distance_um(echo_us, temperature_code):
     # change of the speed factor over the interval
     rise = _echocal_speed[cell + 1] - low
     # half the speed of sound [2^-8 um per echo code]
-    speed = (low + ((within * rise) >> 5))
+    speed = low + ((within * rise) >> 5)
     # an intermediate value, in parts of 14 bits
     wide14_0 = echo_us * (speed & 16383)
     wide14_1 = echo_us * (speed >> 14) + (wide14_0 >> 14)
     # distance [um]
-    distance = ((wide14_1 << 6) + ((wide14_0 & 16383) >> 8))
+    distance = (wide14_1 << 6) + ((wide14_0 & 16383) >> 8)
     return distance
