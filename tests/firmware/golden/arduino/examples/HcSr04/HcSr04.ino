@@ -24,7 +24,7 @@
  * - STM32: the sketch measures the converter's reference with the chip's calibrated one, where the chip has that.
  * - ESP32: the library's calibrated analogReadMilliVolts(). Other boards: measure the supply and write it to REFERENCE.
  *
- * Output, one line for each measurement: the codes and the distance [um], or "out of range", or "no echo".
+ * Output, one line for each measurement: the codes and the distance [um], or why there is none: see REASONS.
  *
  * SPDX-License-Identifier: MIT OR Apache-2.0
  */
@@ -234,6 +234,16 @@ static int16_t read_temperature_code()
     return (int16_t)constrain(code, INT16_MIN, INT16_MAX);
 }
 
+/* By status. */
+static const char *const REASONS[] = {
+    "ok",
+    "no echo",
+    "too near",
+    "too far",
+    "temperature out of range",
+    "humidity out of range"
+};
+
 void setup()
 {
     Serial.begin(115200);
@@ -262,7 +272,7 @@ void loop()
         Serial.print(temperature_code);
         Serial.print(' ');
         if (distance == ECHOCAL_OUT_OF_RANGE) {
-            Serial.println("out of range");
+            Serial.println(REASONS[echocal_status(echo_us, temperature_code)]);
         } else {
             Serial.println(distance);
         }

@@ -92,6 +92,10 @@ void EchocalSensor::loop() {
 
 void EchocalSensor::evaluate_(uint32_t echo_us) {
   const uint64_t echo_code = (1000000ULL * echo_us + TICK_PS / 2) / TICK_PS;
+  if (echo_code >= 35001) {  // so late a module ends its pulse without an echo
+    this->publish_("no echo");
+    return;
+  }
   if (echo_code < ECHOCAL_ECHO_US_FIRST) {
     this->publish_("too near");
     return;
