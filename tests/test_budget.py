@@ -83,6 +83,44 @@ def test_the_end_gauge_against_metrolopy() -> None:
     assert k * budget.standard_uncertainty.item() == pytest.approx(float(length.U), rel=1e-10)
 
 
+@pytest.mark.parametrize(("name", "published"), [("R", 0.071), ("X", 0.295), ("Z", 0.236)])
+def test_the_impedance_of_the_guide(name: str, published: float) -> None:
+    """Example H.2, tables H.2 and H.4: correlated inputs of five simultaneous observations."""
+    v, i, phi = 4.9990, 19.661e-3, 1.04446
+    u, r = (0.0032, 0.0095e-3, 0.00075), np.array([[1, -0.36, 0.86], [-0.36, 1, -0.65], [0.86, -0.65, 1]])
+    slopes = {
+        "R": (np.cos(phi) / i, -v * np.cos(phi) / i**2, -v * np.sin(phi) / i),
+        "X": (np.sin(phi) / i, -v * np.sin(phi) / i**2, v * np.cos(phi) / i),
+        "Z": (1 / i, -v / i**2, 0.0),
+    }[name]
+    one = np.ones(1)
+    lines = [
+        Entry(n, n, "A", "t", size * one, "1", slope * one, 4.0, "parameters")
+        for n, size, slope in zip("VIp", u, slopes, strict=True)
+    ]
+    budget = Itemized(tuple(lines), r)
+    assert round(budget.standard_uncertainty.item(), 3) == published
+    assert budget.degrees_of_freedom.item() == pytest.approx(4.0)  # they come from one set of observations
+    assert budget.shares.sum() == pytest.approx(1.0)
+
+
+def test_four_rectangles_of_supplement_1(random: np.random.Generator) -> None:
+    """JCGM 101:2008, 9.2.3: u = 2.00, and 95 % are within 3.88 where the law of propagation says 3.92."""
+    half = 0.2e-3  # of each: tape of class I at 1 m, resolution, timer, law
+    stated = {"tape": "I", "resolution_mm": 0.4, "timer_us": 4e6 * half / 343.0, "law_ppm": 200}
+    found = echocal.budget(
+        "343", {"reading_m": [1.0], "temperature_C": [20.0]}, uncertainties=stated, coverage=0.95,
+        trials=200_000, seed=int(random.integers(2**31)),
+    )  # fmt: skip
+    drawn, unit = found.monte_carlo, half / 3**0.5
+    assert drawn is not None
+    assert found.standard_uncertainty[0] / unit == pytest.approx(2.0, rel=1e-9)
+    assert found.expanded_uncertainty[0] / unit == pytest.approx(3.92, abs=0.005)
+    # the ends of 200,000 draws are known to 0.011
+    assert (drawn.high[0] - 1.0) / unit == pytest.approx(3.88, abs=0.035)
+    assert (drawn.low[0] - 1.0) / unit == pytest.approx(-3.88, abs=0.035)
+
+
 def tape(distance: float) -> float:
     return (0.3e-3 + 0.2e-3 * np.ceil(distance)) / np.sqrt(3.0)
 

@@ -28,6 +28,7 @@ HEADS = ("source", "type", "u(x)", "sensitivity", "u(d) [mm]", "ν", "share")
 """Source, type and distribution, standard uncertainty of the input, sensitivity coefficient, contribution,
 degrees of freedom, part of the variance."""
 _MOST = 12  # rows that are listed
+_CORRELATED = 3  # parameters whose correlations are told
 _MANY = 1000  # degrees of freedom: k differs from that of infinitely many by 0.1 %
 _SCALES = {"s": (1e6, "µs"), "m": (1e3, "mm"), "degC": (1.0, "K")}
 _LAW = (1e6, "ppm")
@@ -124,6 +125,10 @@ def result_text(budget: Budget, row: int) -> list[str]:
         f"k = {k:.2f} for a coverage probability of {100 * budget.coverage:.4g} %",
         f"result: {plus_minus(distance, expanded, 'mm')}",
     ]
+    if budget.itemized.correlation is not None and 1 < len(budget.itemized.correlation) <= _CORRELATED:
+        r, names = budget.itemized.correlation, [entry.quantity for entry in budget.entries]
+        pairs = [f"{names[i]}, {names[j]}: {r[i, j]:.3f}" for j in range(len(r)) for i in range(j)]
+        found.append(f"correlation of {'; '.join(pairs)}")
     place = np.flatnonzero(budget.monte_carlo_rows == row)
     if budget.monte_carlo is not None and len(place):
         drawn, at = budget.monte_carlo, int(place[0])
