@@ -21,6 +21,7 @@ __all__ = [
     "conditions_text",
     "lines",
     "print_budget",
+    "probability_text",
     "result_text",
 ]
 
@@ -70,7 +71,7 @@ def lines(budget: Budget, row: int) -> list[tuple[str, ...]]:
             _slope(entry, row),
             f"{1e3 * abs(entry.contribution[row]):.3g}",
             "∞" if np.isinf(entry.degrees_of_freedom) else f"{entry.degrees_of_freedom:.0f}",
-            f"{100 * share:.1f} %",
+            f"{100 * share + 0.0:.1f} %".replace("-0.0", "0.0"),
         )
         for entry, share in zip(budget.entries, shares, strict=True)
     ]
@@ -95,7 +96,20 @@ def _slope(entry: Entry, row: int) -> str:
     if unit == "mm":
         return f"{entry.sensitivity[row]:.3g}"
     below = f"({unit})" if "/" in unit or " " in unit else unit
-    return f"{1e3 * entry.sensitivity[row] / factor:.3g} mm{f'/{below}' if unit else ''}"
+    return f"{1e3 * entry.sensitivity[row] / factor + 0.0:.3g} mm{f'/{below}' if unit else ''}"
+
+
+def probability_text(probability: float) -> str:
+    """A probability in percent, also near 0 and 1.
+
+    Examples
+    --------
+    >>> probability_text(0.9543), probability_text(1e-9), probability_text(0.99999)
+    ('95.4 %', 'below 0.1 %', 'above 99.9 %')
+    """
+    if not 0.001 <= probability <= 0.999:
+        return "below 0.1 %" if probability < 0.5 else "above 99.9 %"
+    return f"{100 * probability:.1f} %"
 
 
 def conditions_text(budget: Budget, row: int) -> str:
