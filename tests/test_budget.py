@@ -291,8 +291,19 @@ def test_more_mistakes_are_told(given: dict[str, object], message: str) -> None:
 @pytest.mark.filterwarnings("ignore::echocal.DomainWarning")
 def test_a_thermometer_beyond_its_range_is_told() -> None:
     table = {"echo_us": [1e4, 1e4], "temperature_C": [20.0, -30.0]}
-    with pytest.raises(echocal.DataError, match=r"SHT31 \(0 to 90\) in 1 rows, first in row 2: -30"):
+    with pytest.raises(
+        echocal.DataError,
+        match="thermometer SHT31, limits of error: the temperature is outside of .* 1 rows, first in row 2",
+    ):
         echocal.budget("cramer", table, uncertainties={"thermometer": "SHT31"})
+
+
+@pytest.mark.filterwarnings("ignore::echocal.DomainWarning")
+def test_a_correction_knows_no_uncertainty_there() -> None:
+    table = {"echo_us": [1e4, 1e4], "temperature_C": [20.0, -30.0]}
+    found = echocal.correct(pd.DataFrame(table), echocal.Model("cramer"), uncertainties=["thermometer=SHT31"])
+    assert found.table["distance_standard_uncertainty_m"].isna().tolist() == [False, True]
+    assert found.table["corrected_distance_m"].notna().all()
 
 
 def test_stated_uncertainties_travel_as_plain_data() -> None:

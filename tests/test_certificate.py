@@ -96,9 +96,8 @@ def test_the_longest_one_prints_on_two_pages(tmp_path: Path) -> None:
     """Seven parameters, fourteen stated sources, six columns and twelve rows."""
     pypdf = pytest.importorskip("pypdf")
     pytest.importorskip("weasyprint")
-    effects = dict.fromkeys(
-        ("fixed_delay", "zero_error", "clock_error", "temperature_offset", "dispersion", "supply_voltage"), {}
-    )
+    own = "fixed_delay zero_error clock_error temperature_offset dispersion supply_voltage"
+    effects: dict[str, dict[str, float]] = {id_: {} for id_ in own.split()}
     names = echocal.Model("cramer", effects).parameter_names
     residual = ResidualUncertainty(3e-4, 4e-4, 480, 0.5, 2.5, "blocked by time, 5 folds")
     model = echocal.Model(
@@ -117,10 +116,9 @@ def test_the_longest_one_prints_on_two_pages(tmp_path: Path) -> None:
         "distance_m": 0.3 + 3.7 * column,
     }
     pd.DataFrame(table).to_csv(tmp_path / "new.csv", index=False)
-    known = "thermometer=DHT22 hygrometer=DHT22 barometer=BME280 tape=III timer_us=4 resolution_mm=10 law=published"
-    words = [
-        w for one in f"{known} echo_us=2 co2_ppm=50 temperature_C=0.1".split() for w in ("--uncertainty", one)
-    ]
+    known = "thermometer=DHT22 hygrometer=DHT22 barometer=BME280 tape=III timer_us=4 resolution_mm=10"
+    known += " law=published echo_us=2 co2_ppm=50 temperature_C=0.1"
+    words = [word for one in known.split() for word in ("--uncertainty", one)]
     out = tmp_path / "out.pdf"
     run(
         tmp_path,
