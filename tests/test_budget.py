@@ -293,7 +293,7 @@ def test_a_thermometer_beyond_its_range_is_told() -> None:
     table = {"echo_us": [1e4, 1e4], "temperature_C": [20.0, -30.0]}
     with pytest.raises(
         echocal.DataError,
-        match="thermometer SHT31, limits of error: the temperature is outside of .* 1 rows, first in row 2",
+        match=r"thermometer SHT31, limits of error: the temperature is outside of .* 1 rows, first in row 2",
     ):
         echocal.budget("cramer", table, uncertainties={"thermometer": "SHT31"})
 
