@@ -146,10 +146,10 @@ class Itemized:
         for entry in self.entries:
             lost = np.isfinite(distance) & np.isnan(entry.standard_uncertainty)
             if lost.any():
-                quantity, count = entry.quantity.replace("_", " "), int(lost.sum())
+                quantity, first = entry.quantity.replace("_", " "), int(np.argmax(lost)) + 1
                 message = (
-                    f"{entry.words}: the {quantity} is outside of the range that they are stated for in {count} "
-                    f"rows, first in row {int(np.argmax(lost)) + 1}; state its standard uncertainty as a number"
+                    f"{entry.words}: the {quantity} is outside of the range that they are stated for in "
+                    f"{int(lost.sum())} rows, first in row {first}; state it as a number"
                 )
                 raise DataError(message)
 
