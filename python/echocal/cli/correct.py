@@ -32,7 +32,7 @@ from echocal.objects import Object
 from echocal.places import Place, place_of
 
 
-@reading_options(sheet=False)
+@reading_options("sheet", "reference", "reference_join")
 def command(
     data: Annotated[
         str,
@@ -105,6 +105,7 @@ def command(
         inputs=[*(s.path for s in inputs.files if isinstance(s.path, Path)), model, *reading.files],
         folder=None if inputs.single or isinstance(place, Object) else place,
         force=force,
+        told=True,
     )
     if models is not None and (model is not None or law is not None or effect):
         raise UsageError("--models has the models; leave --model, --law and --effect out")

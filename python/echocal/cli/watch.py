@@ -31,7 +31,7 @@ _USUAL = WatchSettings()
 _BROKERS = ("mqtt://", "mqtts://")
 
 
-@reading_options(sheet=False)
+@reading_options("sheet", "reference", "reference_join")
 def command(
     source: Annotated[
         str,

@@ -10,6 +10,7 @@ from echocal.budget import Budget
 from echocal.budget.rounding import plus_minus
 from echocal.calibrate import Calibration
 from echocal.diagnose import Diagnosis
+from echocal.diagnose.findings.sentences import parameter_text
 from echocal.model import Model
 from echocal.observations import Observations
 from echocal.quantities import QUANTITIES
@@ -85,7 +86,7 @@ def _(result: Diagnosis) -> pd.DataFrame:
             cause.probability,
             cause.probability_alone,
             ", ".join(
-                f"{p.name} = {p.value:.4g} ± {p.standard_uncertainty:.1g} {p.unit}" for p in cause.parameters
+                parameter_text(p.name, p.value, p.standard_uncertainty, p.unit) for p in cause.parameters
             ),
             cause.in_model,
             ", ".join(cause.indistinguishable_from),
