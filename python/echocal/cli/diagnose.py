@@ -54,6 +54,13 @@ def command(
     constant_distance: Annotated[
         bool, typer.Option("--constant-distance", help="The target did not move; its distance is not known.")
     ] = False,
+    placements: Annotated[
+        str | None,
+        typer.Option(
+            metavar="M,M,...",
+            help="Ruler values of the placements of a raw log, in their order: 0.5,1.2,2.5 (m).",
+        ),
+    ] = None,
     reading: Given = AS_IT_IS,
     since: Annotated[str | None, typer.Option(metavar="TIME", help="Use rows from this time on.")] = None,
     until: Annotated[
@@ -167,6 +174,7 @@ def command(
             "--report": report,
             "--rows": rows,
             "--can-vary": can_vary or ranges,
+            "--placements": placements,
         }
         used = [*_file(base), *reading.files]
         request = {
@@ -220,6 +228,7 @@ def command(
             base=_base(base),
             reference_distance=reference_distance,
             constant_distance=constant_distance,
+            placements=_distances(placements),
             since=since,
             until=until,
             hold_out_after=_time(hold_out_after),
@@ -311,6 +320,17 @@ def _ranges(first: list[str] | None, more: list[str]) -> dict[str, tuple[float, 
         raise UsageError(message)
     texts = [text for joined in (*(first or ()), *more) for text in joined.split()]
     return parsed_ranges(texts) or None
+
+
+def _distances(text: str | None) -> list[float] | None:
+    """Distances of ``0.5,1.2,2.5`` [m]."""
+    if text is None:
+        return None
+    try:
+        return [float(word) for word in text.split(",")]
+    except ValueError:
+        message = f"--placements {text}: distances in m, with commas between them: 0.5,1.2,2.5"
+        raise UsageError(message) from None
 
 
 def _time(text: str | None) -> str | float | None:

@@ -142,7 +142,9 @@ def read_observations(
     table = load(source, how.layout, sheet=sheet)
     codes = Missing(missing)
     stated = conditions_at(how.at, table)
-    asked, joins, spread, more = how.requests, {}, None, []
+    asked, spread = how.requests, None
+    joins: dict[str, Join] = {}
+    more: list[str] = []
     if reference is not None:
         other = second_log(how, table.columns)
         asked = {name: own for name, own in asked.items() if name in table.columns}
