@@ -9,7 +9,7 @@ from typer.testing import CliRunner
 
 import echocal
 from echocal.cli import app
-from echocal.diagnose.preprocess.plateaus import BETWEEN
+from echocal.diagnose.preprocess.plateaus import BETWEEN, placed
 
 DELAY = 85e-6
 LATE = echocal.Model("linear", {"fixed_delay": {"delay": DELAY}})
@@ -91,6 +91,37 @@ def test_the_plateaus_of_a_raw_log_take_the_values_of_the_ruler() -> None:
         error = diagnosis.model.correct(LATE.indicate(at, temperature=warm), temperature=warm) - at
         good += bool(np.abs(error).max() < 2e-3)
     assert good == 15
+
+
+@pytest.mark.parametrize(
+    ("count", "each", "carried"), [(5, 15, (2, 6)), (8, 25, (3, 15)), (8, 200, (20, 60))]
+)
+def test_plateaus_are_found_beside_hands_and_wild_rows(
+    count: int, each: int, carried: tuple[int, int]
+) -> None:
+    """40 draws: while the target is carried, the hand is nearer; 1 % of the rows are wild."""
+    good = 0
+    for seed in range(40):
+        rng = np.random.default_rng(seed)
+        places = [float(rng.uniform(0.2, 3.0))]
+        while len(places) < count:
+            place = float(rng.uniform(0.2, 3.0))
+            places += [place] if abs(place - places[-1]) > 0.05 else []
+        rows: list[float] = []
+        for number, place in enumerate(places):
+            if number:
+                way = np.linspace(places[number - 1], place, int(rng.integers(*carried)))
+                way = way + rng.normal(0, 0.02, len(way))
+                rows += np.where(rng.random(len(way)) < 0.3, rng.uniform(0.1, 0.4, len(way)), way).tolist()
+            stay = place + rng.normal(0, 2e-3, int(each * rng.uniform(0.7, 1.3)))
+            rows += (stay + np.where(rng.random(len(stay)) < 0.01, rng.normal(0, 0.5, len(stay)), 0)).tolist()
+        log = {"reading_m": 0.05 + np.abs(rows), "temperature_C": np.full(len(rows), 20.0)}
+        read = placed(echocal.read_observations(log, reading_speed=343), places)
+        assert read.reference_distance is not None
+        assert read.reading is not None
+        off = (read.reading - 0.05 - read.reference_distance)[read.usable]
+        good += bool(np.quantile(np.abs(off), 0.98) < 0.012)
+    assert good == 40
 
 
 @pytest.mark.parametrize(

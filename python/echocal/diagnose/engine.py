@@ -139,7 +139,7 @@ def diagnose(
     if placements is not None:
         if reference_distance is not None or constant_distance:
             raise UsageError("give placements, a reference distance, or constant_distance: only one of them")
-        own = placed(reading.observations, list(placements), request.settings.rows)
+        own = placed(reading.observations, list(placements))
         reading = replace(reading, observations=own)
     simulated, rest = presume(request.base, reading.observations)
     read_columns = [*rest.source_names.values(), *rest.extra]

@@ -4,15 +4,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
-from echocal.diagnose.preprocess.level_steps import level_steps
-from echocal.diagnose.preprocess.outliers import robust
 from echocal.diagnose.preprocess.reference import refuse_distance
-from echocal.diagnose.settings.rows import RowSettings
 from echocal.errors import DataError, UsageError
 from echocal.keywords import keyword
 from echocal.observations import Observations
+from echocal.observations.quantiles import MAD_TO_SD
 
 __all__ = ["BETWEEN", "placed", "plateaus"]
 
@@ -22,8 +21,12 @@ BETWEEN = "between placements"
 """Why a row is left out."""
 
 _SPEED = 343.0  # m/s: levels are only compared with each other
-_FAR = 6.0  # robust sd of the readings at a plateau, beyond which a row is not at it
-_LEAST = 3e-3  # m: what is nearer is the same place; a hand moves a target by more
+_WINDOW = 5  # rows
+_FEWEST = 5  # rows of a plateau
+_STOP = 0.25  # of the usual stay: a shorter one is a stop on the way
+_FAR = 6.0  # standard deviations of the rows at a place
+_LEAST = 5e-3  # m: what is nearer is the same place; a hand moves a target by more
+_COARSE = 0.2  # of the steps from row to row that are none: the readings have a coarse grid
 
 
 @dataclass(frozen=True)
@@ -44,7 +47,7 @@ class Plateau:
         return f"rows {self.rows[0] + 1} to {self.rows[-1] + 1} at {self.level:.3f} m"
 
 
-def placed(observations: Observations, distances: Sequence[float], settings: RowSettings) -> Observations:
+def placed(observations: Observations, distances: Sequence[float]) -> Observations:
     """Give each plateau of a log the distance that the user read from a ruler, in the order of the log.
 
     Rows between two plateaus become unusable.
@@ -65,13 +68,13 @@ def placed(observations: Observations, distances: Sequence[float], settings: Row
             f"{keyword('columns', {column: 'ignore'})}, or leave the option out"
         )
         raise UsageError(message)
-    found = plateaus(observations, settings)
+    found = _stays(plateaus(observations), len(distances))
     listed = "; ".join(map(str, found)) or "none"
     if len(found) != len(distances):
         message = (
             f"{keyword('placements')} lists {len(distances)} distances, and the log has {len(found)} "
-            f"plateaus of at least {settings.fewest} rows: {listed}. Give one distance for each, in their order; rows "
-            f"of no placement are left out with {keyword('since')} and {keyword('until')}"
+            f"plateaus of at least {_FEWEST} rows: {listed}. Give one distance for each, in their order; "
+            f"rows of no placement are left out with {keyword('since')} and {keyword('until')}"
         )
         raise DataError(message)
     given = np.array(distances, dtype=np.float64)
@@ -104,35 +107,63 @@ def placed(observations: Observations, distances: Sequence[float], settings: Row
     )
 
 
-def plateaus(observations: Observations, settings: RowSettings) -> list[Plateau]:
-    """The rows between two steps of the level in which the target rested, in the order of the log."""
+def plateaus(observations: Observations) -> list[Plateau]:
+    """The rows in which the target rested, in the order of the log.
+
+    A row is at rest if the medians of five rows around it lie within a tolerance: six standard deviations of
+    the steps from row to row, two steps of the readings, or 5 mm. Rows at rest that follow each other at one
+    level are a plateau, with the rows around them at this level.
+    """
     reading = observations.reading
     whole = 0.5 * _SPEED * observations.echo_time if reading is None else reading
     rows = np.flatnonzero(observations.usable & np.isfinite(whole))
-    elapsed, temperature = (
-        None if (own := observations.conditions.get(name)) is None else own[rows]
-        for name in ("elapsed_time", "temperature")
-    )
-    steps = level_steps(whole[rows], elapsed, temperature, settings)
-    found: list[Plateau] = []
-    for part in np.split(rows, steps):
-        if len(part) < settings.fewest:
-            continue
-        level, scatter = robust(whole[part])
-        near = part[np.abs(whole[part] - level) <= max(_FAR * scatter, _LEAST)]
-        if len(near) < settings.fewest or _moves(whole[near], scatter):
-            continue
-        before = found[-1] if found else None
-        if before and abs(before.level - level) <= max(_FAR * scatter, _LEAST):
-            found[-1] = Plateau(np.append(before.rows, near), float(np.median(whole[[*before.rows, *near]])))
+    if len(rows) < _FEWEST:
+        return []
+    values = whole[rows]
+    tolerance = _tolerance(values)
+    smooth = _median_of(np.pad(values, _WINDOW // 2, mode="edge"))
+    around = sliding_window_view(np.pad(smooth, _WINDOW // 2, mode="edge"), _WINDOW)
+    rests = np.ptp(around, axis=1) <= tolerance
+    runs = np.split(np.arange(len(rows)), np.flatnonzero(np.diff(rests.astype(np.int8))) + 1)
+    found: list[NDArray[np.int64]] = []
+    for run in (one for one in runs if rests[one[0]]):
+        level = np.median(values[run])
+        if found and abs(np.median(values[found[-1]]) - level) <= tolerance:
+            found[-1] = np.append(found[-1], run)
         else:
-            found.append(Plateau(near, float(level)))
-    return found
+            found.append(run)
+    whole_ones = (_widened(run, values, tolerance) for run in found)
+    kept = [run for run in whole_ones if len(run) >= _FEWEST]
+    return [Plateau(rows[run], float(np.median(values[run]))) for run in kept]
 
 
-def _moves(values: Column, scatter: float) -> bool:
-    """Whether the readings go from one end to the other: a target on its way, cut into steps."""
-    third = len(values) // 3
-    change = abs(float(np.median(values[-third:]) - np.median(values[:third])))
+def _stays(found: list[Plateau], count: int) -> list[Plateau]:
+    """Plateaus without short stops on the way: less than a part of the usual stay at so many placements."""
+    lengths = sorted((len(one.rows) for one in found), reverse=True)[:count]
+    least = _STOP * float(np.median(lengths)) if lengths else 0.0
+    return [one for one in found if len(one.rows) >= least]
+
+
+def _median_of(values: Column) -> Column:
+    return np.asarray(np.median(sliding_window_view(values, _WINDOW), axis=1))
+
+
+def _tolerance(values: Column) -> float:
+    """How far rows at one place may be from each other [m]."""
     steps = np.abs(np.diff(values))
-    return change > max(scatter, _LEAST) and change > 3.0 * float(np.median(steps))
+    scatter = MAD_TO_SD * float(np.median(steps)) / np.sqrt(2.0)
+    coarse = float(np.mean(steps == 0.0)) > _COARSE
+    grid = float(np.min(steps[steps > 0.0], initial=np.inf)) if coarse else 0.0
+    return max(_FAR * scatter, _LEAST, 0.0 if np.isinf(grid) else 2.0 * grid)
+
+
+def _widened(run: NDArray[np.int64], values: Column, tolerance: float) -> NDArray[np.int64]:
+    """Rows at a level, also those beside the ones at rest."""
+    near = np.abs(values - np.median(values[run])) <= tolerance
+    first, last = int(run[0]), int(run[-1])
+    while first > 0 and near[first - 1]:
+        first -= 1
+    while last + 1 < len(values) and near[last + 1]:
+        last += 1
+    inside = np.arange(first, last + 1)
+    return inside[near[inside]]
