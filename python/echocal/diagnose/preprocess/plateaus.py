@@ -25,6 +25,7 @@ _WINDOW = 5  # rows
 _FEWEST = 5  # rows of a plateau
 _STOP = 0.25  # of the usual stay: a shorter one is a stop on the way
 _FAR = 6.0  # standard deviations of the rows at a place
+_OFF = 5.0  # robust sd of its plateau, beyond which a row is on its way
 _LEAST = 5e-3  # m: what is nearer is the same place; a hand moves a target by more
 _COARSE = 0.2  # of the steps from row to row that are none: the readings have a coarse grid
 
@@ -120,7 +121,7 @@ def plateaus(observations: Observations) -> list[Plateau]:
     if len(rows) < _FEWEST:
         return []
     values = whole[rows]
-    tolerance = _tolerance(values)
+    tolerance, least = _tolerances(values)
     smooth = _median_of(np.pad(values, _WINDOW // 2, mode="edge"))
     around = sliding_window_view(np.pad(smooth, _WINDOW // 2, mode="edge"), _WINDOW)
     rests = np.ptp(around, axis=1) <= tolerance
@@ -132,7 +133,7 @@ def plateaus(observations: Observations) -> list[Plateau]:
             found[-1] = np.append(found[-1], run)
         else:
             found.append(run)
-    whole_ones = (_widened(run, values, tolerance) for run in found)
+    whole_ones = (_widened(run, values, tolerance, least) for run in found)
     kept = [run for run in whole_ones if len(run) >= _FEWEST]
     return [Plateau(rows[run], float(np.median(values[run]))) for run in kept]
 
@@ -148,17 +149,17 @@ def _median_of(values: Column) -> Column:
     return np.asarray(np.median(sliding_window_view(values, _WINDOW), axis=1))
 
 
-def _tolerance(values: Column) -> float:
-    """How far rows at one place may be from each other [m]."""
+def _tolerances(values: Column) -> tuple[float, float]:
+    """How far rows at one place may be from each other, and at least, whatever they scatter [m]."""
     steps = np.abs(np.diff(values))
     scatter = MAD_TO_SD * float(np.median(steps)) / np.sqrt(2.0)
-    coarse = float(np.mean(steps == 0.0)) > _COARSE
-    grid = float(np.min(steps[steps > 0.0], initial=np.inf)) if coarse else 0.0
-    return max(_FAR * scatter, _LEAST, 0.0 if np.isinf(grid) else 2.0 * grid)
+    coarse = steps[steps > 0.0] if float(np.mean(steps == 0.0)) > _COARSE else steps[:0]
+    least = max(_LEAST, 2.0 * float(coarse.min()) if len(coarse) else 0.0)
+    return max(_FAR * float(scatter), least), least
 
 
-def _widened(run: NDArray[np.int64], values: Column, tolerance: float) -> NDArray[np.int64]:
-    """Rows at a level, also those beside the ones at rest."""
+def _widened(run: NDArray[np.int64], values: Column, tolerance: float, least: float) -> NDArray[np.int64]:
+    """Rows at a level, also those beside the ones at rest; without those that are far for this place."""
     near = np.abs(values - np.median(values[run])) <= tolerance
     first, last = int(run[0]), int(run[-1])
     while first > 0 and near[first - 1]:
@@ -166,4 +167,6 @@ def _widened(run: NDArray[np.int64], values: Column, tolerance: float) -> NDArra
     while last + 1 < len(values) and near[last + 1]:
         last += 1
     inside = np.arange(first, last + 1)
-    return inside[near[inside]]
+    inside = inside[near[inside]]
+    off = np.abs(values[inside] - np.median(values[inside]))
+    return inside[off <= max(_OFF * MAD_TO_SD * float(np.median(off)), least)]
