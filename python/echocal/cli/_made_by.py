@@ -25,7 +25,9 @@ _FATES = {"row", "fate", "error_before_mm", "error_after_mm"}
 _VERDICTS = {"sensor", "verdict", "fleet_verdict", "fleet_class_probability"}
 _EMULATED = {"true_air_degC"}
 _TIMED = {"capture", "echo_us", "standard_uncertainty_us", "cycle_ambiguity", "status"}
+_BUDGET = {"row", "source", "sensitivity", "expanded_uncertainty_m"}
 _COLUMNS = {
+    "budget": (_BUDGET,),
     "correct": (_CORRECTED, _CORRECTED_LEVEL),
     "sweep": (_SWEPT,),
     "diagnose": (_FATES,),

@@ -15,7 +15,7 @@ import typer
 
 from echocal.cli._console import Console
 from echocal.cli._options import Options, added, from_stdin
-from echocal.cli._outputs import pass_on
+from echocal.cli._outputs import Quiet, pass_on
 from echocal.engines.names import ENGINES
 from echocal.errors import DataWarning, DomainWarning, UsageError
 from echocal.observations import Observations, read_observations
@@ -24,7 +24,7 @@ from echocal.observations.plan import read_columns
 
 __all__ = ["AS_IT_IS", "Columns", "Engine", "Given", "Json", "Quiet", "SpreadsheetSafe", "column_requests"]
 __all__ += ["conditions", "error_codes", "from_stdin", "noted", "notes", "read", "reading_options"]
-__all__ += ["toml_files", "write_json"]
+__all__ += ["reading_words", "toml_files", "write_json"]
 
 _OURS = (DataWarning, DomainWarning)
 
@@ -108,7 +108,6 @@ Engine: TypeAlias = Annotated[
 Json: TypeAlias = Annotated[
     str | None, typer.Option("--json", metavar="FILE", help="Write the result as JSON; - is stdout.")
 ]
-Quiet: TypeAlias = Annotated[bool, typer.Option("--quiet", "-q", help="Print nothing but errors.")]
 
 
 _FLAGS = {
@@ -216,6 +215,17 @@ def _given(*, columns: Any, missing: Any, trust: Any, at: Any, options: Path | N
         files=(*toml_files(columns), *map(str, filter(None, [options, others.get("reference")]))),
         **{name: value for name, value in others.items() if value is not None},
     )
+
+
+def reading_words(reading: Given) -> dict[str, Any]:
+    """The same as options of `echocal.keywords.command_line`."""
+    given = reading.given()
+    pairs = {"columns": "column", "at": "at"}
+    listed = {name: given.pop(name) for name in pairs if name in given}
+    words = {pairs[name]: [f"{own}={one}" for own, one in each.items()] for name, each in listed.items()}
+    if (codes := given.pop("missing", None)) is not None:
+        words["missing"] = [f"{own}={one}" if own else one for own, each in codes.items() for one in each]
+    return words | {name: list(one) if isinstance(one, tuple) else one for name, one in given.items()}
 
 
 @contextmanager

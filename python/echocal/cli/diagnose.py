@@ -3,13 +3,15 @@
 import shlex
 import sys
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, TypeAlias
 
 import typer
 
 from echocal.cli import _fleet, _made_by, _pool
+from echocal.cli._brief import follow_up, print_brief
+from echocal.cli._complete import bases
 from echocal.cli._console import Console
-from echocal.cli._outputs import Force, Output, PlotFormat, check_outputs, made_in
+from echocal.cli._outputs import Force, Output, PlotFormat, check_outputs, made_in, written
 from echocal.cli._ranges import parsed_ranges
 from echocal.cli._tables import (
     AS_IT_IS,
@@ -20,6 +22,7 @@ from echocal.cli._tables import (
     from_stdin,
     noted,
     reading_options,
+    reading_words,
     write_json,
 )
 from echocal.diagnose import Diagnosis, diagnose
@@ -28,6 +31,38 @@ from echocal.errors import DomainWarning, UsageError
 from echocal.model import Model
 from echocal.outputs import csv_text, replace_text
 from echocal.report import print_diagnosis
+
+Base: TypeAlias = Annotated[
+    str,
+    typer.Option(
+        help="linear, ideal_gas, cramer, virial, 331.3+0.606*T (linear in T), m/s, or a model file.",
+        autocompletion=bases,
+    ),
+]
+ReferenceDistance: TypeAlias = Annotated[
+    float | None, typer.Option(metavar="M", help="Distance of the target in every row, in m.")
+]
+ConstantDistance: TypeAlias = Annotated[
+    bool, typer.Option("--constant-distance", help="The target did not move; its distance is not known.")
+]
+Placements: TypeAlias = Annotated[
+    str | None,
+    typer.Option(
+        metavar="M,M,...",
+        help="Ruler values of the placements of a raw log, in their order: 0.5,1.2,2.5 (m).",
+    ),
+]
+MattersMm: TypeAlias = Annotated[
+    float | None,
+    typer.Option(
+        metavar="MM",
+        help="The difference of a reading that matters to you. Effects that add less are told in one line. "
+        "Default: by the steps of the readings, at least 0.3.",
+    ),
+]
+Details: TypeAlias = Annotated[
+    bool, typer.Option("--details", help="Print the evidence, the gain, every probability and note.")
+]
 
 
 @reading_options()
@@ -42,25 +77,11 @@ def command(
             metavar="[DATA ...]", help="Further tables, of this instrument or of others of its kind."
         ),
     ] = None,
-    base: Annotated[
-        str,
-        typer.Option(
-            help="linear, ideal_gas, cramer, virial, 331.3+0.606*T (linear in T), m/s, or a model file."
-        ),
-    ] = "linear",
-    reference_distance: Annotated[
-        float | None, typer.Option(metavar="M", help="Distance of the target in every row, in m.")
-    ] = None,
-    constant_distance: Annotated[
-        bool, typer.Option("--constant-distance", help="The target did not move; its distance is not known.")
-    ] = False,
-    placements: Annotated[
-        str | None,
-        typer.Option(
-            metavar="M,M,...",
-            help="Ruler values of the placements of a raw log, in their order: 0.5,1.2,2.5 (m).",
-        ),
-    ] = None,
+    base: Base = "linear",
+    reference_distance: ReferenceDistance = None,
+    constant_distance: ConstantDistance = False,
+    placements: Placements = None,
+    matters_mm: MattersMm = None,
     reading: Given = AS_IT_IS,
     since: Annotated[str | None, typer.Option(metavar="TIME", help="Use rows from this time on.")] = None,
     until: Annotated[
@@ -146,6 +167,7 @@ def command(
         typer.Option(metavar="NAME", help=f"Of a fleet: who does the work: {', '.join(ENGINES)}."),
     ] = None,
     spreadsheet_safe: SpreadsheetSafe = False,
+    details: Details = False,
     json: Json = None,
     seed: Annotated[int, typer.Option(min=0, help="Seed of the gain's interval.")] = 0,
     force: Force = False,
@@ -203,7 +225,7 @@ def command(
             [data, *tables],
             by,
             used,
-            {**request, "base": _base(base)},
+            {**request, "base": base_of(base)},
             reading.given(),
             _pool.Outputs(models, plots, json, plot_format),
             force=force,
@@ -225,14 +247,15 @@ def command(
         task = bar.add_task("reading", total=None)
         diagnosis = diagnose(
             data,
-            base=_base(base),
+            base=base_of(base),
             reference_distance=reference_distance,
             constant_distance=constant_distance,
-            placements=_distances(placements),
+            placements=distances_of(placements),
             since=since,
             until=until,
             hold_out_after=_time(hold_out_after),
             can_vary=_ranges(can_vary, ranges),
+            matters_mm=matters_mm,
             seed=seed,
             progress=lambda what, done, total: bar.update(
                 task, description=what, completed=done, total=total
@@ -253,7 +276,11 @@ def command(
     if rows is not None:
         replace_text(rows, csv_text(diagnosis.row_table()), newline="")
     if not quiet and json != "-":
-        print_diagnosis(diagnosis, Console())
+        console = Console(highlight=False)
+        if details:
+            print_diagnosis(diagnosis, Console())
+        else:
+            print_brief(diagnosis, console, written(), _after(diagnosis, data, model, reading), "--details")
 
 
 def _renamed(model: Path | None, former: Path | None, quiet: bool) -> Path | None:
@@ -284,7 +311,8 @@ def _file(base: str) -> list[str]:
     return [base] if base.endswith(".json") else []
 
 
-def _base(base: str) -> str | Model:
+def base_of(base: str) -> str | Model:
+    """The model of a file, or the base as it is written."""
     return Model.load(base) if _file(base) else base
 
 
@@ -313,6 +341,15 @@ def _write(diagnosis: Diagnosis, whole: Model, model: Path | None, plots: Path |
         whole.save(model)
 
 
+def _after(diagnosis: Diagnosis, data: Path, model: Path | None, reading: Given) -> str:
+    """The command that uses the model, where there is one to use."""
+    if diagnosis.verdict != "named" or not diagnosis.model.effects or diagnosis.good_enough:
+        return ""
+    if model is None:
+        return "--save-model model.json writes it; echocal correct applies it."
+    return next(iter(follow_up(diagnosis, data, model, reading_words(reading)).values()))
+
+
 def _ranges(first: list[str] | None, more: list[str]) -> dict[str, tuple[float, float]] | None:
     """Ranges after ``--can-vary``, however many follow it."""
     if more and not first:
@@ -322,7 +359,7 @@ def _ranges(first: list[str] | None, more: list[str]) -> dict[str, tuple[float, 
     return parsed_ranges(texts) or None
 
 
-def _distances(text: str | None) -> list[float] | None:
+def distances_of(text: str | None) -> list[float] | None:
     """Distances of ``0.5,1.2,2.5`` [m]."""
     if text is None:
         return None

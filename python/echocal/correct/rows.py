@@ -52,8 +52,9 @@ class Reading(ReadOptions):
     ) -> "Reading":
         """With the uncertainties that a user states of values and of conditions that nobody recorded."""
         own = cls(**options, mark_rows=mark_rows)
-        stated = {**uncertainties_of(own.at or {}), **Uncertainties.of(uncertainties).stated}
-        return replace(own, uncertainties=Uncertainties(stated))
+        given = Uncertainties.of(uncertainties)
+        stated = {**uncertainties_of(own.at or {}), **given.stated}
+        return replace(own, uncertainties=replace(given, stated=stated))
 
 
 @dataclass(frozen=True)

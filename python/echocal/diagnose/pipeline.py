@@ -17,6 +17,7 @@ from echocal.diagnose.inference.examine import examine
 from echocal.diagnose.inference.hypothesis import Stack
 from echocal.diagnose.inference.posterior import Inference, infer
 from echocal.diagnose.inference.weigh_steps import weigh_steps
+from echocal.diagnose.matters import Matters
 from echocal.diagnose.noises.common.convection import convections
 from echocal.diagnose.noises.common.growing import NOISE_GROWTH, growth_of, with_growing_noise
 from echocal.diagnose.noises.common.offsets import without_offsets
@@ -186,7 +187,8 @@ def examined(reading: Reading, request: Request, work: Steps) -> Examined:
         able = members(case, ranking, selection.claims, validation, reduced)
         proposals = propose(case, able, selection, validation, ranges)
         found = (inference, ranking, selection, validation, judge, joint, smooth, left)
-        diagnosis = report(case, observations, *found, able, proposals)
+        matters = Matters.of(case, request.matters_mm)
+        diagnosis = report(case, observations, *found, able, proposals, matters)
         reference = whole.reference_distance if distance is None and not constant else None
         more = [] if columns else outlier_rules(read, reference, diagnosis.fates, diagnosis.model, settings)
         known = {**diagnosis.model.provenance, **faults.marks(more)}

@@ -155,6 +155,8 @@ def inspect_log(path: Path, options: ReadOptions | None = None) -> Inspection:
     options = options or ReadOptions()
     columns, missing, how = options.requests, dict(options.missing), options.given()
     table = load(path, options.layout, sheet=options.sheet)
+    if options.reference is not None:  # some are of the other log, which is refused where it is read
+        columns = {name: request for name, request in columns.items() if name in table.columns}
     refuse_absent(columns, table.columns)
     found = found_in(table)
     proposals = propose(table, found, columns)
@@ -164,7 +166,8 @@ def inspect_log(path: Path, options: ReadOptions | None = None) -> Inspection:
     codes = {name: [f"{code:g}" for code in own] for name, own in seen.items() if own}
     all_codes = {**codes, **missing}
     requests = {name: p.request for name, p in proposals.items() if p.request and p.reason != "its name"}
-    observations, refusal = _read(table, requests, all_codes, how)
+    asked = {**options.requests, **requests} if options.reference is not None else requests
+    observations, refusal = _read(table, asked, all_codes, how)
     said = {*found.notes, note_of(table, set(columns))}  # of sensors there is a line
     notes = [
         *found.notes,

@@ -168,5 +168,7 @@ def _widened(run: NDArray[np.int64], values: Column, tolerance: float, least: fl
         last += 1
     inside = np.arange(first, last + 1)
     inside = inside[near[inside]]
+    if not len(inside):
+        return inside
     off = np.abs(values[inside] - np.median(values[inside]))
     return inside[off <= max(_OFF * MAD_TO_SD * float(np.median(off)), least)]

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from echocal.concise import concise
 from echocal.diagnose.findings.parts import Refuted
 from echocal.diagnose.findings.sentences import enumerated
 from echocal.diagnose.inference.case import Case
@@ -153,7 +154,7 @@ def _tension(case: Case, cause: str, validation: Validation, stack: Stack) -> st
     claimed = cause in [c.cause for c in validation.claims]
     known = case.found.size_tangents[cause][1]
     size, uncertainty = free_size(cause, case.found, validation.fit.hypothesis, stack)
-    found = f"{size:.2f} +/- {uncertainty:.2f}"
+    found = concise(size, uncertainty)
     if uncertainty > 0.5 * abs(known):
         return "" if claimed else f"these rows cannot show {cause}: its size, if fitted, is {found}"
     if claimed and abs(size - known) <= _TENSION * uncertainty:
