@@ -35,7 +35,7 @@ ALL: dict[str, Any] = {
     "reference": "gauge.csv",
     "reference_join": "nearest",
 }
-WITHOUT = dict.fromkeys(("correct", "watch"), {"sheet", "reference", "reference_join"})
+WITHOUT = {"correct": {"sheet"}, "watch": {"sheet", "reference", "reference_join"}}
 
 
 @pytest.mark.parametrize("name", ["diagnose", "verify", "calibrate", "correct", "watch", "inspect"])

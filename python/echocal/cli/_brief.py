@@ -109,4 +109,3 @@ def _of_rows(reading: Mapping[str, Any]) -> dict[str, Any]:
 
 
 _DIAGNOSIS = {"base", "reference_distance", "constant_distance", "placements", "matters_mm"}
-_DIAGNOSIS |= {"reference", "reference_join"}

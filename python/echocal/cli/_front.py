@@ -16,8 +16,16 @@ from echocal.cli._options import options_text, written_by_us
 from echocal.cli._outputs import Force, Output, Quiet, check_outputs, written
 from echocal.cli._pool import bar
 from echocal.cli._tables import AS_IT_IS, Given, Json, from_stdin, noted, reading_options, write_json
-from echocal.cli.diagnose import Base, ConstantDistance, Details, MattersMm, Placements, ReferenceDistance
-from echocal.cli.diagnose import base_of, distances_of
+from echocal.cli.diagnose import (
+    Base,
+    ConstantDistance,
+    Details,
+    MattersMm,
+    Placements,
+    ReferenceDistance,
+    base_of,
+    distances_of,
+)
 from echocal.diagnose import diagnose
 from echocal.diagnose.preprocess.reference import refuse_distance
 from echocal.errors import DataError, DomainWarning, UsageError

@@ -153,10 +153,9 @@ def inspect_log(path: Path, options: ReadOptions | None = None) -> Inspection:
         If the file cannot be read as a table of any kind.
     """
     options = options or ReadOptions()
-    columns, missing, how = options.requests, dict(options.missing), options.given()
+    missing, how = dict(options.missing), options.given()
     table = load(path, options.layout, sheet=options.sheet)
-    if options.reference is not None:  # some are of the other log, which is refused where it is read
-        columns = {name: request for name, request in columns.items() if name in table.columns}
+    columns = options.requests_of(table.columns)  # the others are refused where the other log is read
     refuse_absent(columns, table.columns)
     found = found_in(table)
     proposals = propose(table, found, columns)
