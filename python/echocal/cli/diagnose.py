@@ -336,7 +336,7 @@ def _after(diagnosis: Diagnosis, data: Path, model: Path | None, reading: Given)
     if diagnosis.verdict != "named" or not diagnosis.model.effects or diagnosis.good_enough:
         return ""
     if model is None:
-        return "--save-model model.json writes it; echocal correct applies it."
+        return "Add --save-model model.json, then run echocal correct."
     return next(iter(follow_up(diagnosis, data, model, reading_words(reading)).values()))
 
 

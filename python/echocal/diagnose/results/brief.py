@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from echocal.concise import decimal
 from echocal.diagnose.catalogue import find_cause
-from echocal.diagnose.findings.parts import Cause, Gain
+from echocal.diagnose.findings.parts import Cause, Gain, Unexplained
 from echocal.diagnose.findings.sentences import enumerated, parameter_text, spoken
 from echocal.diagnose.results.explain import EVEN, good_enough_text, proposal_text, rivals_of
 from echocal.diagnose.results.outcome import Outcome
@@ -52,7 +52,8 @@ def _wrong(diagnosis: Outcome) -> str:
         return f"{good_enough_text(diagnosis)}."
     spoiled = [_sentence(cause) for cause in _spoiling(diagnosis)]
     if effects := _named(diagnosis):
-        return " ".join([*map(_sentence, effects), *spoiled])
+        more = [] if diagnosis.unexplained is None else [_follows(diagnosis.unexplained).capitalize()]
+        return " ".join([*map(_sentence, effects), *spoiled, *more])
     if diagnosis.verdict == "nothing":
         return f"these rows show no systematic error of the base ({_base(diagnosis)})."
     if diagnosis.verdict == "named" and spoiled:
@@ -66,8 +67,7 @@ def _wrong(diagnosis: Outcome) -> str:
 def _open(diagnosis: Outcome) -> list[str]:
     """What is wrong where no effect is named."""
     if diagnosis.unexplained is not None:
-        against = spoken(diagnosis.unexplained.against)
-        return [f"something that echocal has no name for shifts the readings; it follows the {against}."]
+        return [_follows(diagnosis.unexplained)]
     if diagnosis.verdict == "unknown":
         return ["something that echocal has no name for shifts the readings."]
     effects = [cause for cause in diagnosis.causes if cause.kind == "effect"]
@@ -81,6 +81,11 @@ def _open(diagnosis: Outcome) -> list[str]:
     more = f" or one of {len(ids) - _SHOWN} others" if len(ids) > _SHOWN else ""
     shown = f"{', '.join(ids[:_SHOWN])}{more}" if more else f"{', '.join(ids[:-1])} or {ids[-1]}"
     return [f"something shifts the readings, and these rows do not tell what: {shown}."]
+
+
+def _follows(term: Unexplained) -> str:
+    against = spoken(term.against)
+    return f"something that echocal has no name for shifts the readings; it follows the {against}."
 
 
 def _sentence(cause: Cause) -> str:
