@@ -188,6 +188,7 @@ def command(
             "--report": report,
             "--rows": rows,
             "--can-vary": can_vary or ranges,
+            "--matters-mm": matters_mm,
         }
         used = [*_file(base), *reading.files]
         request = {

@@ -52,7 +52,7 @@ def _wrong(diagnosis: Outcome) -> str:
         return f"{good_enough_text(diagnosis)}."
     spoiled = [_sentence(cause) for cause in _spoiling(diagnosis)]
     if effects := _named(diagnosis):
-        more = [] if diagnosis.unexplained is None else [_follows(diagnosis.unexplained).capitalize()]
+        more = [] if diagnosis.unexplained is None else [f"Also {_follows(diagnosis.unexplained)}"]
         return " ".join([*map(_sentence, effects), *spoiled, *more])
     if diagnosis.verdict == "nothing":
         return f"these rows show no systematic error of the base ({_base(diagnosis)})."
@@ -95,8 +95,8 @@ def _sentence(cause: Cause) -> str:
     if not rivals:
         return f"{sentence} ({cause.id})."
     if len(rivals) > 1 and (cause.probability_alone or 0.0) < EVEN:
-        first = enumerated([cause.id, *rivals[:1]])
-        return f"A cause that these rows do not separate from {len(rivals)} others acts, such as {first}."
+        some = f"{cause.id} or {rivals[0]}"
+        return f"One of {1 + len(rivals)} causes that look the same in these rows acts, such as {some}."
     alike = rivals[0] if len(rivals) == 1 else f"{len(rivals)} others"
     return f"{sentence} ({cause.id}; in these rows {alike} would look the same)."
 
