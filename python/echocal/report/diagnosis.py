@@ -136,8 +136,8 @@ def _posterior(diagnosis: Diagnosis, longest: int) -> RenderableType:
     """Sets of causes, inseparable ones in one line; the causes that all sets have are above."""
     groups = [group for group in grouped(diagnosis) if group.probability >= LEAST][:_LINES]
     common = in_common(groups)
-    title = f"does a further cause act beside {enumerated(sorted(common))}?"
-    table = Table(title=title if common else _EXACTLY, title_justify="left", show_header=False)
+    title = f"does a further cause act beside {enumerated(sorted(common))}?" if common else _EXACTLY
+    table = Table(title=title, title_justify="left", show_header=False)
     for group in groups:
         bar = "━" * max(1, round(longest * group.probability))
         table.add_row(group.beyond(common), f"{group.probability:.3f}", Text(bar, style="green"))

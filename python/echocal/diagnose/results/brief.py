@@ -145,6 +145,8 @@ def _next(diagnosis: Outcome) -> str:
         return "nothing to correct."
     if _named(diagnosis) and diagnosis.model.effects:
         return "correct the readings with this model."
+    if diagnosis.verdict == "named" and any(cause.kind == "gross" for cause in _spoiling(diagnosis)):
+        return "mend the program or the table; the diagnosis has put it right for itself only."
     if diagnosis.next_measurements:
         return f"{proposal_text(diagnosis.next_measurements[0])}."
     if diagnosis.unexplained is not None:
