@@ -87,6 +87,9 @@ def command(
     ] = None,
     max_table_bytes: Annotated[int, option("Largest size of all tables together [byte].")] = 1024,
     package: Annotated[str, option("Kind of files: c, arduino, platformio, esphome or micropython.")] = "c",
+    name: Annotated[
+        str, option("Start of the names of files, functions and macros. Two sensors need two.")
+    ] = "echocal",
     measure: Annotated[
         bool, option("Compile, run in a simulator, state flash and time.", "--measure")
     ] = False,
@@ -107,7 +110,7 @@ def command(
     """Turn a model into C that is proven over every input."""
     console = Console(stderr=True, quiet=quiet)
     if explore:
-        _refuse_one(prefer, form, measure, package, page)
+        _refuse_one(prefer, form, measure, package, name, page)
     _refuse_outputs(model, json, out, _explore.FILES if explore else listed(out), page, force=force)
     request: dict[str, Any] = {
         "temperature": TemperatureCodes(
@@ -129,7 +132,7 @@ def command(
         if explore:
             text, table = _explore.run(followed, target, out, tell, **request)
         else:
-            one: dict[str, Any] = {"form": form, "package": package, "measure": measure}
+            one: dict[str, Any] = {"form": form, "package": package, "name": name, "measure": measure}
             saved = prefer or "size"
             made = generate(followed, target, prefer=saved, progress=_proving(tell), **one, **request)
             if page is not None:
@@ -150,12 +153,14 @@ def command(
     console.print(_summary(made, files, notes))
 
 
-def _refuse_one(prefer: str | None, form: str | None, measure: bool, package: str, page: Path | None) -> None:
+def _refuse_one(
+    prefer: str | None, form: str | None, measure: bool, package: str, name: str, page: Path | None
+) -> None:
     """Refuse options of a single function together with --explore."""
-    if prefer or form or measure or package != "c" or page is not None:
+    if prefer or form or measure or package != "c" or name != "echocal" or page is not None:
         message = (
             "--explore tries every form, for size and for speed, and writes no package: leave out --prefer, "
-            "--form, --measure, --package and --report"
+            "--form, --measure, --package, --name and --report"
         )
         raise UsageError(message)
 

@@ -27,6 +27,7 @@ from echocal.diagnose.noises.common.scattered_rows import without_scattered_rows
 from echocal.diagnose.noises.registry import not_imitated
 from echocal.diagnose.preprocess.folds import Folds
 from echocal.diagnose.preprocess.hold_out import split
+from echocal.diagnose.preprocess.moving import moving_target
 from echocal.diagnose.preprocess.prepare import prepare
 from echocal.diagnose.preprocess.reading import Reading
 from echocal.diagnose.preprocess.reference import refuse_contradiction
@@ -131,6 +132,7 @@ def examined(reading: Reading, request: Request, work: Steps) -> Examined:
             table = prepare(
                 observations, base, distance, constant, settings.rows, level_steps, faults.rounding
             )
+            moving = moving_target(table, settings.rows)
             steps = weigh_steps(table, base, request.seed, settings, level_steps)
             table = table if steps is None else steps.kept(steps.case.folds.fit)
             folds = Folds.of(table, settings.rows)
@@ -142,6 +144,9 @@ def examined(reading: Reading, request: Request, work: Steps) -> Examined:
 
             work.begin("comparing noises")
             tried = not_imitated(faults.quantizations)
+            if moving:  # far readings vary more only because the target went there
+                case = replace(case, moving=moving)
+                tried = tuple(noise for noise in tried if noise.facts.id != NOISE_GROWTH)
             shares = infer_noises(case, inference.fits, inference.reduced, tried)
             if (grown := with_growing_noise(case, inference, shares)) is not None:
                 case, inference = grown

@@ -40,6 +40,7 @@ from echocal.diagnose.verdict import credible_set, verdict
 from echocal.errors import DomainWarning
 from echocal.model import Model
 from echocal.observations import Observations
+from echocal.observations.mount import HEIGHT_FITTED, MOUNT_HEIGHT
 from echocal.registry import find_effect
 
 __all__ = ["report"]
@@ -61,7 +62,7 @@ def report(
     matters: Matters,
 ) -> Diagnosis:
     """Put the results together."""
-    word = verdict(ranking, selection, validation, joint, left)
+    word = "unknown" if case.moving else verdict(ranking, selection, validation, joint, left)
     term, noise = selection.term, selection.noise
     steps = steps_of(case.table, observations)
     fates = Fates.of(case.table, judge.held)
@@ -70,6 +71,9 @@ def report(
     origin = {**validation.model.provenance, **_origin(causes, word)}
     if observations.reading_speed:
         origin["reading_speed"] = observations.reading_speed
+    if observations.mount_height is not None:
+        origin[MOUNT_HEIGHT] = observations.mount_height
+        origin[HEIGHT_FITTED] = observations.mount_height_fitted
     validation = replace(validation, model=validation.model.with_provenance(origin))
     unexplained = term and with_its_function(case, term, validation, judge, noise)
     shown = left if term is None and word in ("unknown", "nothing") else None
