@@ -23,6 +23,7 @@ _INSTEAD = {
     "--with-smooth": "a smooth correction belongs to its table: diagnose this sensor alone",
     "--report": "-o FILE tells the verdict of each sensor; diagnose a sensor alone for its report",
     "--rows": "diagnose a sensor alone for its rows",
+    "--matters-mm": "diagnose a sensor alone to be told what matters",
     "--can-vary": "diagnose a sensor alone for its next measurements",
 }
 

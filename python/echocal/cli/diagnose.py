@@ -197,6 +197,7 @@ def command(
             "--rows": rows,
             "--can-vary": can_vary or ranges,
             "--placements": placements,
+            "--matters-mm": matters_mm,
         }
         used = [*_file(base), *reading.files]
         request = {
@@ -346,7 +347,7 @@ def _after(diagnosis: Diagnosis, data: Path, model: Path | None, reading: Given)
     if diagnosis.verdict != "named" or not diagnosis.model.effects or diagnosis.good_enough:
         return ""
     if model is None:
-        return "--save-model model.json writes it; echocal correct applies it."
+        return "Add --save-model model.json, then run echocal correct."
     return next(iter(follow_up(diagnosis, data, model, reading_words(reading)).values()))
 
 
