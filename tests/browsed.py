@@ -4,23 +4,25 @@ import json
 import re
 import shutil
 import subprocess
+from dataclasses import dataclass
 from html.parser import HTMLParser
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-__all__ = ["CLEAN", "Text", "browsed"]
+__all__ = ["CLEAN", "Drawn", "Text", "browsed", "drawn_in"]
 
 CLEAN = {"said": [], "drawn": True, "wide": False, "asked": []}
 """What a browser tells of a page that is in order."""
 
-_WATCH = """<script>
+_WATCH = r"""<script>
 const said = []; window.addEventListener("error", e => said.push(e.message));
 for (const kind of ["error", "warn"]) console[kind] = (...w) => said.push(w.join(" "));
 window.addEventListener("load", () => setTimeout(() => {
-  const drawn = document.querySelectorAll(".plotly-graph-div .main-svg").length > 0 &&
-    [...document.querySelectorAll(".plotly-graph-div")].every(d => d.querySelector(".main-svg"));
+  const figures = [...document.querySelectorAll("svg.chart")];
+  const drawn = figures.length > 0 && figures.every(svg => svg.querySelector("text.tick") &&
+    [...svg.querySelectorAll(".plot path")].every(p => /^matrix\([^N]*$/.test(p.getAttribute("transform"))));
   const wide = document.documentElement.scrollWidth > document.documentElement.clientWidth;
   const asked = performance.getEntriesByType("resource").filter(r => !r.name.startsWith("data:"));
   document.title = JSON.stringify({said, drawn, wide, asked: asked.map(r => r.name)});
@@ -34,6 +36,8 @@ class Text(HTMLParser):
     def __init__(self, page: str) -> None:
         super().__init__()
         self.fetched: list[str] = []
+        self.ids: list[str] = []
+        self.links: list[str] = []
         self._parts: list[str] = []
         self._hidden = ""
         self.feed(page)
@@ -42,7 +46,10 @@ class Text(HTMLParser):
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
         if tag in ("script", "style"):
             self._hidden = tag
-        self.fetched += [value or "" for name, value in attrs if name in ("src", "href", "srcset", "data")]
+        self.ids += [value or "" for name, value in attrs if name == "id"]
+        asked = [value or "" for name, value in attrs if name in ("src", "href", "srcset", "data")]
+        self.links += [value[1:] for value in asked if value.startswith("#")]
+        self.fetched += [value for value in asked if not value.startswith("#")]
 
     def handle_endtag(self, tag: str) -> None:
         if tag == self._hidden:
@@ -51,6 +58,29 @@ class Text(HTMLParser):
     def handle_data(self, data: str) -> None:
         if not self._hidden:
             self._parts.append(data)
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """What a figure of a page shows of one kind: its name, its values, and the rows of the source."""
+
+    name: str
+    x: list[float]
+    y: list[float]
+    rows: list[int]
+
+
+def drawn_in(page: str, figure: int) -> list[Drawn]:
+    """Points and lines of a figure, as they stand in the page."""
+    svg = re.findall(r'<svg class="chart".*?</svg>', page, re.DOTALL)[figure]
+    found = []
+    for kind, name, rows, path in re.findall(
+        r'<path class="(\w+)[^"]*" data-name="([^"]*)"(?: data-rows="([^"]*)")? d="([^"]*)"', svg
+    ):
+        numbers = [float(text) for text in re.findall(r"-?[\d.]+(?:e[-+]?\d+)?", path)]
+        every = 2 if kind == "line" else 3
+        found.append(Drawn(name, numbers[::every], numbers[1::every], [int(row) for row in rows.split()]))
+    return found
 
 
 def browsed(page: str, folder: Path) -> dict[str, Any]:

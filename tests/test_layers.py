@@ -26,6 +26,7 @@ LAYERS = (
     {"virtual_bench", "correct"},
     {"diagnose", "silicon", "echoes", "verify"},
     {"panels"},
+    {"charts"},
     {"plots", "report", "firmware"},
     {"study", "explore", "emulation", "fleet", "watch", "accessor", "estimator"},
     {"pages", "_accessors"},

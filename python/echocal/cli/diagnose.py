@@ -238,7 +238,7 @@ def command(
     _write(diagnosis, whole, model, plots, plot_format)
     write_json(diagnosis.to_dict(), json)
     if report is not None:
-        from echocal.report.html import save_report  # plotly takes a while to import
+        from echocal.report.html import save_report
 
         save_report(diagnosis, report, data.name, shlex.join(["echocal", *sys.argv[1:]]))
     if rows is not None:
