@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 
-__all__ = ["CLEAN", "Drawn", "Text", "browsed", "drawn_in"]
+__all__ = ["CLEAN", "Drawn", "Text", "browsed", "chromium", "drawn_in"]
 
 CLEAN = {"said": [], "drawn": True, "wide": False, "asked": []}
 """What a browser tells of a page that is in order."""
@@ -83,11 +83,17 @@ def drawn_in(page: str, figure: int) -> list[Drawn]:
     return found
 
 
+def chromium() -> str:
+    """Path of the browser; without one, the test is skipped."""
+    names = ("chromium", "chromium-browser", "google-chrome")
+    if (browser := next(filter(None, map(shutil.which, names)), None)) is None:
+        pytest.skip("no Chromium")
+    return browser
+
+
 def browsed(page: str, folder: Path) -> dict[str, Any]:
     """Show a page in a browser of 500 pixels: messages, whether all is drawn and fits, and requests."""
-    browser = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
-    if browser is None:
-        pytest.skip("no Chromium")
+    browser = chromium()
     file = folder / "page.html"
     file.write_text(page.replace("<head>", f"<head>{_WATCH}", 1), encoding="utf-8")
     command = [browser, "--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage"]

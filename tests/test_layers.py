@@ -29,7 +29,7 @@ LAYERS = (
     {"charts"},
     {"plots", "report", "firmware"},
     {"study", "explore", "emulation", "fleet", "watch", "accessor", "estimator"},
-    {"pages", "_accessors"},
+    {"pages", "_accessors", "serve"},
     {"cli"},
 )
 ROOMS_OF_DIAGNOSE = [
