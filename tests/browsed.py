@@ -21,7 +21,8 @@ const said = []; window.addEventListener("error", e => said.push(e.message));
 for (const kind of ["error", "warn"]) console[kind] = (...w) => said.push(w.join(" "));
 window.addEventListener("load", () => setTimeout(() => {
   const figures = [...document.querySelectorAll("svg.chart")];
-  const drawn = figures.length > 0 && figures.every(svg => svg.querySelector("text.tick") &&
+  const some = document.querySelector("svg.chart, .bars") !== null;
+  const drawn = some && figures.every(svg => svg.querySelector("text.tick") &&
     [...svg.querySelectorAll(".plot path")].every(p => /^matrix\([^N]*$/.test(p.getAttribute("transform"))));
   const wide = document.documentElement.scrollWidth > document.documentElement.clientWidth;
   const asked = performance.getEntriesByType("resource").filter(r => !r.name.startsWith("data:"));

@@ -2,13 +2,14 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 __all__ = ["MOST", "Axis", "Bar", "Bars", "Chart", "Line", "Panel", "Points", "Rug", "evenly", "span"]
 
-Column = NDArray[np.float64]
+Column = NDArray[np.floating[Any]]
 
 MOST = 2000
 """Points of one kind that a figure shows at most: more lie on each other, and make a page heavy."""

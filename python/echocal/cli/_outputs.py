@@ -1,11 +1,12 @@
 """Check that all outputs of a command can be written, before the command starts its work."""
 
 import os
+import shlex
 import sys
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, TypeAlias
+from typing import Annotated, Any, TypeAlias
 
 import typer
 
@@ -14,7 +15,8 @@ from echocal.cli._options import file_in_use
 from echocal.errors import UsageError, writing
 from echocal.outputs import refuse_name, replace_text
 
-__all__ = ["Force", "Output", "PlotFormat", "check_outputs", "made_in", "pass_on", "refuse_picture"]
+__all__ = ["Force", "Output", "PlotFormat", "Report", "check_outputs", "made_in", "pass_on"]
+__all__ += ["refuse_picture", "write_report"]
 
 Force: TypeAlias = Annotated[
     bool, typer.Option("--force", help="Replace existing files that this command did not make.")
@@ -22,6 +24,13 @@ Force: TypeAlias = Annotated[
 
 PlotFormat: TypeAlias = Annotated[
     str, typer.Option(metavar="png|svg|pdf", help="Format of the plots of --plots.")
+]
+
+Report: TypeAlias = Annotated[
+    Path | None,
+    typer.Option(
+        "--report", metavar="OUT.html", help="Write one page to read in a browser, to print or to send."
+    ),
 ]
 
 
@@ -176,3 +185,8 @@ def _nearest(folder: Path) -> Path:
 def _refuse(path: Path, reason: str) -> None:
     message = f"{path} cannot be written: {reason}"
     raise UsageError(message)
+
+
+def write_report(path: Path, page: Callable[[Any, str, str], str], result: Any, heading: str) -> None:
+    """Write the page of a result, with the command that runs."""
+    replace_text(path, page(result, heading, shlex.join(["echocal", *sys.argv[1:]])))

@@ -1,8 +1,8 @@
 """A chart as a part of a page: SVG with the values in it, to which the page's script adds axes and zoom."""
 
 from html import escape
+from typing import Any
 
-import numpy as np
 from numpy.typing import NDArray
 
 from echocal.charts.parts import Axis, Bars, Chart, Line, Panel, Points, Rug
@@ -67,7 +67,7 @@ def _mark(mark: Points | Line | Rug) -> str:
     return f'<path class="{kind} {mark.tone}" data-name="{name}"{rows} d="{path}"/>'
 
 
-def _texts(values: NDArray[np.float64]) -> list[str]:
+def _texts(values: NDArray[Any]) -> list[str]:
     return [f"{value:.{_DIGITS}g}" for value in values.tolist()]
 
 
