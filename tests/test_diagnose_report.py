@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
-from browsed import CLEAN, Text, browsed, drawn_in
+from browsed import CLEAN, Text, browsed, chromium, drawn_in
 
 import echocal
 from echocal.charts.diagnosis import posterior_chart
@@ -17,6 +17,12 @@ from echocal.report.html import report_page
 from echocal.report.html.drawing import drawn
 
 ROWS = 300
+WHERE = """() => {
+  const path = document.querySelector(".points.before");
+  const at = path.getAttribute("d").split("M")[100].match(/[-\\d.e]+/g);
+  const point = new DOMPoint(+at[0], +at[1]).matrixTransform(path.getScreenCTM());
+  return [point.x, point.y];
+}"""
 Run = Callable[..., tuple[int, str]]
 
 
@@ -87,7 +93,6 @@ def test_causes_come_before_the_errors(named: echocal.Diagnosis) -> None:
 
 def test_no_probability_has_an_axis_beyond_one(named: echocal.Diagnosis) -> None:
     chart = posterior_chart(replace(named, posterior=(((), 0.4), (("cycle_slip",), 0.6))))
-    assert chart is not None
     assert chart.most == 1.0
     assert "width:60%" in drawn(chart)
 
@@ -107,7 +112,7 @@ def test_times_are_dates(random: np.random.Generator) -> None:
 
 def test_each_drawn_error_is_one_of_the_table(named: echocal.Diagnosis) -> None:
     """Row numbers and errors of the first figure, as they stand in the page."""
-    before, after = (mark for mark in drawn_in(report_page(named), 0) if mark.name != "left out")
+    before, after = (mark for mark in drawn_in(report_page(named), 0) if mark.rows)
     for mark, error in ((before, named.traces.before), (after, named.traces.after)):
         of_row = dict(zip((named.traces.row + 1).tolist(), error.tolist(), strict=True))
         assert len(mark.y) == len(mark.rows) == np.isfinite(error).sum()
@@ -126,7 +131,7 @@ def test_a_worse_model_looks_worse(named: echocal.Diagnosis) -> None:
     worse = replace(named, traces=replace(traces, before=traces.after, after=traces.before))
     first, second = time_chart(worse).panels
     assert first.y == second.y
-    assert second.title == "extended model, at the same scale"
+    assert second.title == "after: extended model, at the same scale"
 
 
 def test_distance_and_reading_stand_beside_the_truth(named: echocal.Diagnosis) -> None:
@@ -186,3 +191,62 @@ def test_the_command_writes_it_and_replaces_only_its_own(run: Run, random: np.ra
 def test_a_browser_shows_it(named: echocal.Diagnosis, tmp_path: Path) -> None:
     """Every figure is drawn, and the console has no error; a phone has no line that is cut off."""
     assert browsed(report_page(named), tmp_path) == CLEAN
+
+
+@pytest.mark.slow
+def test_it_is_dark_where_the_reader_wants_it_and_prints_light(
+    named: echocal.Diagnosis, tmp_path: Path
+) -> None:
+    """The paper of the page, its ink, and the color of the points, by scheme and medium."""
+    playwright = pytest.importorskip("playwright.sync_api")
+    (tmp_path / "page.html").write_text(report_page(named), encoding="utf-8")
+    seen = {}
+    with playwright.sync_playwright() as started:
+        browser = started.chromium.launch(executable_path=chromium(), args=["--no-sandbox"])
+        page = browser.new_page()
+        page.goto((tmp_path / "page.html").as_uri())
+        for scheme, medium in (("light", "screen"), ("dark", "screen"), ("dark", "print")):
+            page.emulate_media(color_scheme=scheme, media=medium)
+            seen[scheme, medium] = page.evaluate(
+                """() => { const style = name => getComputedStyle(document.querySelector(name));
+                return [style("body").backgroundColor, style("body").color, style(".before").stroke]; }"""
+            )
+        browser.close()
+    light, dark = seen["light", "screen"], seen["dark", "screen"]
+    assert light[0] == "rgb(255, 255, 255)"
+    assert all(one != other for one, other in zip(light, dark, strict=True))
+    assert seen["dark", "print"] == light
+
+
+@pytest.mark.slow
+def test_the_pointer_reads_values_and_zooms(named: echocal.Diagnosis, tmp_path: Path) -> None:
+    """The text beside a point is its row and error; a frame, a button and a double click change the range."""
+    playwright = pytest.importorskip("playwright.sync_api")
+    text = report_page(named)
+    (tmp_path / "page.html").write_text(text, encoding="utf-8")
+    before = drawn_in(text, 0)[0]
+    with playwright.sync_playwright() as started:
+        browser = started.chromium.launch(executable_path=chromium(), args=["--no-sandbox"])
+        page = browser.new_page(viewport={"width": 800, "height": 1200})
+        page.goto((tmp_path / "page.html").as_uri())
+        figure = page.locator("figure", has=page.locator("svg.chart")).first
+        figure.scroll_into_view_if_needed()
+        box = figure.locator("svg.plot").first.bounding_box()
+        assert box is not None
+        place = page.evaluate(WHERE)
+        page.mouse.move(*place)
+        told = figure.locator("output").inner_text()
+        assert told == f"base, row {before.rows[99]}, {before.y[99]:.5g} mm"
+        ticks = figure.locator("text.tick")
+        shown = [ticks.all_inner_texts()]
+        page.mouse.move(box["x"] + 100, box["y"] + 20)
+        page.mouse.down()
+        page.mouse.move(box["x"] + 200, box["y"] + 90, steps=3)
+        page.mouse.up()
+        shown.append(ticks.all_inner_texts())
+        figure.get_by_role("button", name="+").click()
+        shown.append(ticks.all_inner_texts())
+        figure.locator("svg.chart").dblclick(position={"x": 300, "y": 100})
+        assert ticks.all_inner_texts() == shown[0]
+        assert len(set(map(tuple, shown))) == 3
+        browser.close()

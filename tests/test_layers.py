@@ -25,7 +25,6 @@ LAYERS = (
     {"sweep", "calibrate", "engines"},
     {"virtual_bench", "correct"},
     {"diagnose", "silicon", "echoes", "verify"},
-    {"panels"},
     {"charts"},
     {"plots", "report", "firmware"},
     {"study", "explore", "emulation", "fleet", "watch", "accessor", "estimator"},

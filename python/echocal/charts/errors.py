@@ -3,12 +3,12 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from echocal.charts.columns import ERROR, SIGN, binned_means, by_correlation, is_finer, left_out_at, limits
 from echocal.charts.parts import MOST, Axis, Chart, Line, Panel, Points, Rug, evenly, span
 from echocal.diagnose import Diagnosis
 from echocal.diagnose.findings.sentences import shown, spoken
-from echocal.panels import ERROR, by_correlation, is_finer, left_out_at, limits
 
-__all__ = ["distance_chart", "left_out_chart", "over_chart", "time_chart", "truth_chart"]
+__all__ = ["column_chart", "distance_chart", "left_out_chart", "over_chart", "time_chart", "truth_chart"]
 
 Column = NDArray[np.float64]
 
@@ -27,6 +27,11 @@ def over_chart(diagnosis: Diagnosis, name: str) -> Chart:
     """Error over a recorded column."""
     x, label = shown(name, diagnosis.traces.against[name])
     return _errors(diagnosis, f"Over {spoken(name)}", x, Axis(label, *span([x])), np.empty(0))
+
+
+def column_chart(diagnosis: Diagnosis, name: str) -> Chart:
+    """Error over a column of the traces; over time and rows with marks where rows are left out."""
+    return time_chart(diagnosis) if name in ("time", "row") else over_chart(diagnosis, name)
 
 
 def distance_chart(diagnosis: Diagnosis) -> Chart | None:
@@ -57,7 +62,7 @@ def left_out_chart(diagnosis: Diagnosis) -> Chart | None:
     panels = []
     for reason, count in counts.items():
         rows = 1.0 + np.flatnonzero(fate == reason).astype(np.float64)
-        panels.append(Panel(f"{reason}: {count}", None, [Rug(reason, "out", rows[evenly(count)])]))
+        panels.append(Panel(f"{reason}: {count}", None, [Rug(reason, "out", rows[evenly(count)], count)]))
     return Chart("Rows left out", Axis("row", 0.0, len(fate) + 1.0), panels) if panels else None
 
 
@@ -106,14 +111,20 @@ def _parts(diagnosis: Diagnosis) -> list[tuple[str, Column, str]]:
 def _errors(diagnosis: Diagnosis, title: str, x: Column, axis: Axis, out: Column) -> Chart:
     """Error of the base and, below it, of the model: at one scale, or at its own where it is much finer."""
     traces, panels = diagnosis.traces, []
-    scale = "at a scale of its own" if is_finer(traces) else "at the same scale"
+    after = "after: extended model, at " + ("a scale of its own" if is_finer(traces) else "the same scale")
     for name, error, tone in _parts(diagnosis):
-        marks: list[Points | Line | Rug] = [_points(name, tone, x, 1e3 * error, traces.row)]
+        known = np.isfinite(error)
+        means = Line("mean", "ink", *binned_means(x[known], 1e3 * error[known]))
+        marks: list[Points | Line | Rug] = [_points(name, tone, x, 1e3 * error, traces.row), means]
         if len(out):
-            marks.append(Rug("left out", "out", out[evenly(len(out))]))
+            marks.append(Rug("left out", "out", out[evenly(len(out))], len(out)))
         y = Axis(ERROR, *limits(traces, tone))
-        panels.append(Panel(f"{name}, {scale}" if tone == "after" else name, y, marks))
+        panels.append(Panel(after if tone == "after" else f"{_before(name)}; {SIGN}", y, marks))
     return Chart(title, axis, panels)
+
+
+def _before(name: str) -> str:
+    return f"before: {name}" if name == "base" else name
 
 
 def _some(values: Column) -> NDArray[np.int64]:

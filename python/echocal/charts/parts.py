@@ -64,11 +64,12 @@ class Line:
 
 @dataclass(frozen=True, eq=False)
 class Rug:
-    """Marks along the upper edge, which have an x and no y."""
+    """Marks along the upper edge, which have an x and no y; of `count` marks, these are drawn."""
 
     name: str
     tone: str
     x: Column
+    count: int
 
 
 @dataclass(frozen=True)
@@ -87,17 +88,18 @@ class Chart:
     title: str
     x: Axis
     panels: Sequence[Panel]
-    caption: str = ""
+    notes: Sequence[str] = ()
 
 
 @dataclass(frozen=True)
 class Bar:
-    """A bar: its label, its length, and the number as it is told."""
+    """A bar: its label, its length, and the number as it is told; `shares` are its parts."""
 
     label: str
     value: float
     text: str
     tone: str
+    shares: Sequence[float] = ()
 
 
 @dataclass(frozen=True)
@@ -112,14 +114,15 @@ class Bars:
     bars : sequence of Bar
     most : float
         End of the axis; no bar is longer.
-    caption : str
+    notes : sequence of str
+        What is said of it, without periods.
     """
 
     title: str
     label: str
     bars: Sequence[Bar] = field(default_factory=tuple)
     most: float = 1.0
-    caption: str = ""
+    notes: Sequence[str] = ()
 
 
 def span(values: Sequence[Column] | Column) -> tuple[float, float]:

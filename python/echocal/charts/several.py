@@ -22,8 +22,8 @@ def sizes_chart(cause: PooledCause) -> Chart | None:
     if not free:
         return None
     ends = Axis("table, in the order of the list below", 0.5, len(cause.tables) + 0.5)
-    caption = "Intervals are 95 %. Orange: from the table alone. Blue: in the pool. Line: mean of all tables."
-    return Chart(cause.id, ends, [_sizes(cause, p.name) for p in free], caption)
+    notes = ("95 % intervals; first: from the table alone; second: in the pool; line: mean of all tables",)
+    return Chart(cause.id, ends, [_sizes(cause, p.name) for p in free], notes)
 
 
 def _sizes(cause: PooledCause, name: str) -> Panel:
@@ -55,7 +55,13 @@ def verdicts_chart(summary: Mapping[str, Any]) -> Bars:
 def counts_chart(summary: Mapping[str, Any]) -> Bars | None:
     """Sensors in which each cause is claimed, with those in which it is named."""
     bars = [
-        Bar(one["id"], one["sensors"], f"{one['sensors']}, named in {one['named_in_fleet']}", "after")
+        Bar(
+            one["id"],
+            one["sensors"],
+            f"{one['sensors']}, named in {one['named_in_fleet']}",
+            "after",
+            [part for part in (one["named_in_fleet"], one["sensors"] - one["named_in_fleet"]) if part],
+        )
         for one in summary["causes"][:_MOST]
     ]
     return Bars("Sensors with each cause", "sensors", bars, summary["sensors"]) if bars else None

@@ -16,10 +16,11 @@ __all__ = ["firmware_page"]
 
 _ECHOES, _LINES = 300, 5
 _MM, _US = 1e3, 1e6
-_CAPTION = (
-    "Output of the function less distance by the model, at five temperatures of the range, where further "
-    "conditions are in the middle of theirs. Dotted: the requested bound. The proof is over every input, not "
-    "only over these."
+_NOTES = (
+    "output of the function less distance by the model, at five temperatures of the range, where further "
+    "conditions are in the middle of theirs",
+    "dotted: the requested bound",
+    "the proof is over every input, not only over these",
 )
 _TONES = ("one", "two", "three", "four", "five")
 
@@ -133,7 +134,7 @@ def _error(made: Firmware, model: Model, assumed: dict[str, float]) -> Chart | N
     ]
     y = Axis("error [mm]", -1.15 * bound, 1.15 * bound)
     return Chart(
-        "Error against the model", Axis("distance [m]", *ends), [Panel("", y, [*lines, *sides])], _CAPTION
+        "Error against the model", Axis("distance [m]", *ends), [Panel("", y, [*lines, *sides])], _NOTES
     )
 
 

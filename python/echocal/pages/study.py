@@ -67,6 +67,6 @@ def _reading(study: Study) -> Chart:
     x = Axis("temperature [degC]", *span([curves.temperature]))
     y = Axis(f"reading less {DISTANCE:g} m [mm]", *span([line.y for line in lines]))
     caption = (
-        f"A sensor that assumes one speed of sound, before a target at {DISTANCE:g} m; true air by humidity."
+        f"A sensor that assumes one speed of sound, before a target at {DISTANCE:g} m; true air by humidity"
     )
-    return Chart("", x, [Panel("", y, lines)], caption)
+    return Chart("", x, [Panel("", y, lines)], [caption])

@@ -5,7 +5,7 @@ from typing import Any
 
 from numpy.typing import NDArray
 
-from echocal.charts.parts import Axis, Bars, Chart, Line, Panel, Points, Rug
+from echocal.charts.parts import Axis, Bar, Bars, Chart, Line, Panel, Points, Rug
 
 __all__ = ["drawn"]
 
@@ -25,7 +25,8 @@ def drawn(chart: Chart | Bars | None) -> str:
         return ""
     body = _bars(chart) if isinstance(chart, Bars) else _chart(chart)
     title = f"<h3>{escape(chart.title)}</h3>" if chart.title else ""
-    caption = f"<figcaption>{escape(chart.caption)}</figcaption>" if chart.caption else ""
+    said = " ".join(f"{note[:1].upper()}{note[1:]}." for note in chart.notes)
+    caption = f"<figcaption>{escape(said)}</figcaption>" if said else ""
     return f"<figure>{title}{body}{caption}</figure>"
 
 
@@ -74,9 +75,15 @@ def _texts(values: NDArray[Any]) -> list[str]:
 def _bars(chart: Bars) -> str:
     most = chart.most or 1.0
     rows = "".join(
-        f'<span>{escape(bar.label)}</span><i><i class="{bar.tone}" '
-        f'style="width:{100 * bar.value / most:.4g}%"></i></i><b>{escape(bar.text)}</b>'
+        f"<span>{escape(bar.label)}</span><i>{_bar(bar, most)}</i><b>{escape(bar.text)}</b>"
         for bar in chart.bars
     )
     scale = f"<span>{escape(chart.label)}</span><em><span>0</span><span>{most:.3g}</span></em><b></b>"
     return f'<div class="bars">{rows}{scale}</div>'
+
+
+def _bar(bar: Bar, most: float) -> str:
+    return "".join(
+        f'<i class="{bar.tone}" style="width:{100 * share / most:.4g}%"></i>'
+        for share in bar.shares or (bar.value,)
+    )

@@ -5,6 +5,7 @@ import shlex
 from pathlib import Path
 from typing import Any
 
+from echocal.charts.columns import drawn_columns
 from echocal.charts.diagnosis import gain_chart, posterior_chart
 from echocal.charts.errors import distance_chart, left_out_chart, over_chart, time_chart, truth_chart
 from echocal.charts.parts import MOST, Chart
@@ -24,7 +25,6 @@ from echocal.diagnose.results.explain import (
 )
 from echocal.model.document import text_of
 from echocal.outputs import replace_text
-from echocal.panels import drawn_columns
 from echocal.report.html.document import rendered
 
 __all__ = ["report_page", "save_report"]
@@ -103,7 +103,7 @@ def _content(diagnosis: Diagnosis, source: str) -> dict[str, Any]:
         "rows": diagnosis.rows,
         "left_out": diagnosis.fates.counts,
         "where": left_out_chart(diagnosis),
-        "posterior": posterior_chart(diagnosis),
+        "posterior": posterior_chart(diagnosis) if len(diagnosis.posterior) > 1 else None,
         "proposals": [_sentence(proposal_text(one)) for one in diagnosis.next_measurements],
         "notes": [_sentence(note) for note in further_notes(diagnosis)],
         "model": repr(diagnosis.model),
