@@ -209,7 +209,7 @@ def test_it_is_dark_where_the_reader_wants_it_and_prints_light(
             page.emulate_media(color_scheme=scheme, media=medium)
             seen[scheme, medium] = page.evaluate(
                 """() => { const style = name => getComputedStyle(document.querySelector(name));
-                return [style("body").backgroundColor, style("body").color, style(".before").stroke]; }"""
+                return [style("body").backgroundColor, style("body").color, style("path.before").stroke]; }"""
             )
         browser.close()
     light, dark = seen["light", "screen"], seen["dark", "screen"]

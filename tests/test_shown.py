@@ -39,10 +39,11 @@ def results(table: dict[str, np.ndarray]) -> dict[str, object]:
         "Observations": observations,
         "Calibration": echocal.calibrate(observations, start, ["fixed_delay.delay"]),
         "Verification": echocal.verify(observations, maximum_permissible_error=3e-3),
+        "Budget": echocal.budget(diagnosis.model, observations, trials=0),
     }
 
 
-KINDS = ["Diagnosis", "Model", "Observations", "Calibration", "Verification"]
+KINDS = ["Diagnosis", "Model", "Observations", "Calibration", "Verification", "Budget"]
 
 
 @pytest.mark.parametrize("kind", KINDS)

@@ -108,11 +108,11 @@ def page(transfer: Record, rotation: Record, nulls: Record, coverage: Record) ->
 
 def _coverage(designs: Record) -> str:
     rows = [
-        f"| {name} | {row['count']} | {row['within_1'][0]:.3f} | {row['within_2'][0]:.3f} +/- "
-        f"{row['within_2'][1]:.3f} | {row['lowest']:.2f} | {row['rms_over_stated']:.2f} |"
+        f"| {name} | {row['count']} | {row['within_1'][0]:.3f} | {row['within_2'][0]:.3f} | "
+        f"{row['within_U'][0]:.3f} +/- {row['within_U'][1]:.3f} | {row['lowest']:.2f} | {row['rms_over_stated']:.2f} |"
         for name, row in designs.items()
     ]
-    head = "| design | tables | within u | within 2 u | the lowest 5 % of the tables | RMS / u |"
+    head = "| design | tables | within u | within 2 u | within U | the lowest 5 % of the tables | RMS / u |"
     return _table(head, rows)
 
 

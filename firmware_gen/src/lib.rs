@@ -6,7 +6,7 @@
 //! The rooms, from the ground up. A file imports only rooms above its own line in this list, and no two files import each
 //! other; `tests/firmware/test_rooms.py` reads this list and checks it.
 //!
-//! 1. `types`: integer types of C and their ranges. `error`: the errors. `affine`, `minimax`: numerics.
+//! 1. `types`: integer types of C and their ranges. `error`: the errors. `affine`, `jet`, `minimax`: numerics.
 //! 2. `output`: the unit of the result.
 //! 3. `device`: the codes that the device measures.
 //! 4. `ir`: programs of exact integer operations, and the twin.
@@ -25,6 +25,7 @@ pub mod emit;
 pub mod error;
 pub mod form;
 pub mod ir;
+pub mod jet;
 pub mod lower;
 pub mod minimax;
 pub mod output;
@@ -34,7 +35,7 @@ pub mod target;
 pub mod types;
 
 pub use design::{Design, Failure, Progress, Reachable, Request, design};
-pub use device::{Axis, Device};
+pub use device::{Axis, Device, Status};
 pub use emit::{Measurement, Package, Provenance, emit};
 pub use error::Error;
 pub use output::Output;

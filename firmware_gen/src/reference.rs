@@ -2,11 +2,32 @@
 
 use crate::device::Device;
 use crate::error::Error;
+use crate::jet::Jet;
 
 /// The distance that the calibrated model gives.
 pub trait Reference: Sync {
     /// Fill `distance` [m] for `time_of_flight` [s] under `conditions`, in the order and units of the device's axes.
     fn distances(&self, conditions: &[f64], time_of_flight: &[f64], distance: &mut [f64]);
+
+    /// What is known of all these distances together.
+    fn shape(&self, _conditions: &[f64]) -> Shape<'_> {
+        Shape::Unknown
+    }
+}
+
+/// What is known of the distances at one combination of conditions.
+pub enum Shape<'a> {
+    /// They are `slope * time + start` [m], with two roundings.
+    Line {
+        /// [m/s], not negative.
+        slope: f64,
+        /// [m].
+        start: f64,
+    },
+    /// They are the inverse of an echo time [s], which can be bounded between two distances [m].
+    Curve(Box<dyn Fn(Jet) -> Jet + 'a>),
+    /// Nothing is known.
+    Unknown,
 }
 
 /// Any `Fn(conditions, time_of_flight [s]) -> distance [m]` will do.

@@ -4,7 +4,7 @@ use super::request::{Design, Failure, Listen, Progress, Reachable, Request};
 use crate::error::Error;
 use crate::form::{Fit, Form, TEMPERATURE_FORMS, TWO_CONDITION_FORMS, Tail, reads_two};
 use crate::ir::{Builder, Program};
-use crate::prove::{Claim, Proof, prove};
+use crate::prove::{Claim, Proof, Straight, prove};
 use crate::reference::{Line, check_bounded, sample};
 use crate::target::Cost;
 use std::rc::Rc;
@@ -159,11 +159,7 @@ impl<'a> Search<'a> {
             picked: self.picked.clone(),
             bound: self.room(tail),
             maximum_table: self.request.maximum_table,
-            target: self
-                .lines
-                .iter()
-                .map(|line| tail.factor(line) * unit)
-                .collect(),
+            target: self.lines.iter().map(|line| tail.target(line)).collect(),
             weight: self
                 .lines
                 .iter()
@@ -218,8 +214,7 @@ impl<'a> Search<'a> {
     fn cost_of(&self, tail: &Tail) -> Cost {
         let rows = vec![self.picked[0]];
         let mut builder = Builder::over(self.request.device, self.request.target.least_bits, rows);
-        let unit = f64::from(tail.scale_bits).exp2();
-        let factor = builder.constant((tail.factor(&self.lines[0]) * unit).round() as i64);
+        let factor = builder.constant(tail.target(&self.lines[0]).round() as i64);
         let distance = tail.build(&mut builder, factor);
         let program = builder.finish(distance);
         program.map_or_else(Cost::default, |program| self.request.target.cost(&program))
@@ -271,14 +266,21 @@ impl<'a> Search<'a> {
             STRIDE
         };
         let rows = self.picked.iter().zip(&self.lines).step_by(stride);
-        let errors = rows.flat_map(|(row, line)| {
+        let ends = self.request.device.echo.codes;
+        let errors = rows.map(|(row, line)| {
             let codes = self.request.device.codes(*row);
-            line.samples().map(move |(echo, truth)| {
-                let inputs: Vec<i64> = std::iter::once(echo).chain(codes.iter().copied()).collect();
-                program
-                    .evaluate(&inputs)
-                    .map_or(f64::INFINITY, |output| (output as f64 - truth).abs())
-            })
+            let straight = match Straight::of(program, &codes, (ends.minimum, ends.maximum)) {
+                Err(_) => return f64::INFINITY,
+                Ok(straight) => straight,
+            };
+            let output = |echo: i64| match straight {
+                Some(straight) => Some(i64::from(straight.output(echo))),
+                None => program.evaluate(&[&[echo], &codes[..]].concat()).ok(),
+            };
+            let errors = line.samples().map(|(echo, truth)| {
+                output(echo).map_or(f64::INFINITY, |output| (output as f64 - truth).abs())
+            });
+            errors.fold(0.0, f64::max)
         });
         errors.fold(0.0, f64::max)
     }

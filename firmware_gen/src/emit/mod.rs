@@ -6,6 +6,7 @@ mod package;
 mod python;
 mod report;
 mod selftest;
+mod status;
 mod text;
 
 pub use package::{PACKAGES, Package};
@@ -19,7 +20,7 @@ use crate::prove::Worst;
 use crate::reference::place;
 use minijinja::context;
 use serde::Serialize;
-use text::table_text;
+use text::{named, renamed, table_text};
 
 pub use text::Local;
 
@@ -109,14 +110,18 @@ pub fn emit(
     let context = context! {
         provenance,
         measured,
-        function => function_text(design, device),
+        function => function_text(design, device, &provenance.name),
+        name => provenance.name,
+        statuses => status::statuses(device),
+        time_out => device.time_out(),
         echo_timeout_us => echo_timeout(&device.echo),
-        python => python_text(design),
+        python => python_text(design, &provenance.name),
         proof => proof_text(design, device, provenance.maximum_error),
         selftest => context! { columns => vectors, count },
     };
-    let mut files = package.render(&context)?;
-    files.push(("echocal_golden.csv".into(), golden::golden(design, device)));
+    let mut files = package.render(&context, &provenance.name)?;
+    let golden = format!("{}_golden.csv", provenance.name);
+    files.push((golden, golden::golden(design, device)));
     files.push((
         "report.json".into(),
         report::report(design, device, provenance, measured),
@@ -130,32 +135,35 @@ fn echo_timeout(echo: &Axis) -> f64 {
 }
 
 /// The function in Python.
-fn python_text(design: &Design) -> minijinja::Value {
-    let (locals, result) = python::statements(&design.program);
+fn python_text(design: &Design, name: &str) -> minijinja::Value {
+    let (locals, result) = renamed(python::statements(&design.program), name);
     context! { locals, result }
 }
 
 /// The function: parameters, range checks, tables, statements.
-fn function_text(design: &Design, device: &Device) -> minijinja::Value {
-    let (locals, result) = c::statements(&design.program);
+fn function_text(design: &Design, device: &Device, name: &str) -> minijinja::Value {
+    let (locals, result) = renamed(c::statements(&design.program), name);
     let read = |axis: &&Axis| design.program.reads(&axis.name) || !outside(axis).is_empty();
     let unused = device
         .axes()
         .filter(|axis| !read(axis))
         .map(|axis| axis.name.as_str());
-    let middle = format!("{}(", c::MIDDLE);
+    let middle = named(&format!("{}(", c::MIDDLE), name);
+    let tables = design.program.tables.iter();
+    let unchecked = device.axes().filter(|axis| outside(axis).is_empty());
     context! {
+        unchecked => unchecked.map(|axis| axis.name.as_str()).collect::<Vec<_>>(),
         middle => locals.iter().any(|local| local.expression.contains(&middle)),
         parameters => device.axes().map(parameter).collect::<Vec<_>>(),
         outside => device.axes().flat_map(outside).collect::<Vec<_>>(),
         wraps => device.axes().any(wraps),
         unused => unused.collect::<Vec<_>>(),
         locals, result,
-        tables => design.program.tables.iter().map(table_text).collect::<Vec<_>>(),
+        tables => tables.map(|table| table_text(table, name)).collect::<Vec<_>>(),
         table_bytes => design.program.table_bytes(),
         program_memory => design.program.tables.iter().any(|table| table.program_memory),
         form => design.form.describe(),
-        name => format!("echocal_distance_{}", device.output.unit),
+        name => format!("{name}_distance_{}", device.output.unit),
         unit => device.output.unit,
         unit_lsb => device.output.lsb,
     }

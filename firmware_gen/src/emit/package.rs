@@ -1,5 +1,6 @@
 //! Packagings: which files a firmware comes as, and the template that writes each.
 
+use super::text::named;
 use crate::device::Axis;
 use crate::error::Error;
 use minijinja::{AutoEscape, Environment, UndefinedBehavior};
@@ -163,22 +164,29 @@ impl Package {
         )))
     }
 
-    /// Path and text of each file.
+    /// Path and text of each file. In both, `name` takes the place of `echocal` in identifiers.
     ///
     /// # Errors
     /// [`Error::Template`] if a template fails, a defect of this crate.
-    pub fn render(&self, context: &minijinja::Value) -> Result<Vec<(String, String)>, Error> {
-        let environment = environment()?;
+    pub fn render(
+        &self,
+        context: &minijinja::Value,
+        name: &str,
+    ) -> Result<Vec<(String, String)>, Error> {
+        let environment = environment(name)?;
         let render = |(path, template): &(&str, &str)| {
             let text = environment.get_template(template)?.render(context)?;
-            Ok(((*path).to_owned(), text))
+            Ok((
+                named(path, name).replace("echocal.", &format!("{name}.")),
+                text,
+            ))
         };
         let files: Result<_, minijinja::Error> = self.parts.iter().map(render).collect();
         files.map_err(|error| failed(&error))
     }
 }
 
-fn environment() -> Result<Environment<'static>, Error> {
+fn environment(own: &str) -> Result<Environment<'static>, Error> {
     let mut environment = Environment::new();
     environment.set_trim_blocks(true);
     environment.set_lstrip_blocks(true);
@@ -195,7 +203,7 @@ fn environment() -> Result<Environment<'static>, Error> {
     });
     for (name, text) in TEMPLATES {
         environment
-            .add_template(name, text)
+            .add_template_owned(*name, named(text, own))
             .map_err(|error| failed(&error))?;
     }
     Ok(environment)

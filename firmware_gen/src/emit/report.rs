@@ -1,7 +1,7 @@
 //! The machine-readable report. Every figure in it was proven or measured; figures that were not measured are null.
 
 use crate::design::Design;
-use crate::device::Device;
+use crate::device::{Device, Status};
 use crate::prove::Worst;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
@@ -11,6 +11,8 @@ use serde_json::{Value, json};
 pub struct Provenance {
     /// Version of echocal.
     pub version: String,
+    /// What files, functions and macros are called: their names begin with it.
+    pub name: String,
     /// The command that makes the same files again.
     pub command: String,
     /// The target's name.
@@ -81,6 +83,9 @@ pub fn report(
         "schema": "echocal.firmware/1",
         "provenance": provenance,
         "model_hash": provenance.model_hash,
+        "name": provenance.name,
+        "statuses": Status::ALL.map(Status::words),
+        "first_time_out_code": device.time_out(),
         "target": provenance.target,
         "assumptions": provenance.assumptions,
         "device": device,

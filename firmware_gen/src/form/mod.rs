@@ -4,6 +4,7 @@
 //! [`Builder`](crate::ir::Builder). A new form is a new file and one line: in [`TEMPERATURE_FORMS`], or in
 //! [`TWO_CONDITION_FORMS`].
 
+mod adapted;
 mod additive;
 mod contract;
 mod factored;

@@ -12,6 +12,9 @@ use serde::Serialize;
 
 /// `distance = (((echo << time_bits) - delay) * factor + rounding) >> (scale_bits + time_bits) - offset`, where a short
 /// delay is made up to 2^`scale_bits` codes, and one `factor` taken off at the end.
+///
+/// Of a factor of 17 bits whose first bit is always set, this bit is left out (`leading`), as floating point does: the
+/// product is one of numbers of 16 bits, and the time itself stands for the bit.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Tail {
     /// Binary places of the speed factor \[unit per echo code\].
@@ -24,7 +27,13 @@ pub struct Tail {
     pub offset: f64,
     /// Whether the result is rounded to nearest rather than down, and the offset kept to a fraction of the unit.
     pub rounded: bool,
+    /// Whether 2^16 is added to the factor.
+    pub leading: bool,
 }
+
+const BYTE: u32 = 8;
+/// The bit that a factor of 17 bits does without.
+const LEADING: i64 = 1 << 16;
 
 impl Tail {
     /// The delay and offset that suit `lines` best; no delay at all if `with_delay` is false.
@@ -43,7 +52,26 @@ impl Tail {
             delay,
             offset: f64::midpoint(low, high),
             rounded: false,
+            leading: false,
         }
+    }
+
+    /// The format with a factor of 17 bits, where every one begins with 1 and no time is negative.
+    fn with_leading(
+        lines: &[Line],
+        largest: f64,
+        device: &Device,
+        with_delay: bool,
+    ) -> Option<Self> {
+        let scale_bits = (17.0 - (largest * (1.0 + 1e-4)).log2()).floor();
+        let tail = Self {
+            leading: true,
+            ..Self::fit(lines, scale_bits.clamp(0.0, 40.0) as u32, 0, with_delay)
+        };
+        let least = lines.iter().map(|line| tail.target(line));
+        let least = least.fold(f64::INFINITY, f64::min);
+        let useful = tail.scale_bits > BYTE && least > 1.0 && (tail.delay != 0) == with_delay;
+        (useful && tail.delay <= device.echo.codes.minimum).then_some(tail)
     }
 
     /// The formats worth trying: a 16-bit factor, a 32-bit product, a 64-bit product, each with and without the delay.
@@ -69,6 +97,9 @@ impl Tail {
                         ..plain
                     });
                 }
+            }
+            if target.least_bits < 32 && !device.output.is_coarse() {
+                tails.extend(Self::with_leading(lines, largest, device, with_delay));
             }
             for time_bits in if with_delay { 0..2 } else { 0..1 } {
                 let wide = Self {
@@ -128,6 +159,14 @@ impl Tail {
         (line.end() + self.offset + cut_off) / self.lever(line)
     }
 
+    /// What a form must give for `line`: its factor in units of the last binary place, less the bit that is left out.
+    #[must_use]
+    pub fn target(&self, line: &Line) -> f64 {
+        let leading = if self.leading { LEADING as f64 } else { 0.0 };
+        self.factor(line)
+            .mul_add(f64::from(self.scale_bits).exp2(), -leading)
+    }
+
     /// Echo codes between the delay and the end of the reach.
     #[must_use]
     pub fn lever(&self, line: &Line) -> f64 {
@@ -137,16 +176,25 @@ impl Tail {
     /// Add the steps from the speed `factor` to the distance \[unit\].
     pub fn build(&self, builder: &mut Builder<'_>, factor: Value) -> Value {
         let unit = builder.device().output.unit;
+        let less = if self.leading { " less 2^16" } else { "" };
         let note = format!(
-            "half the speed of sound [2^-{} {unit} per echo code]",
+            "half the speed of sound{less} [2^-{} {unit} per echo code]",
             self.scale_bits
         );
         let factor = builder.name(factor, "speed", note);
         let echo = builder.echo();
         let turned = self.is_turned(builder.device());
         let time = self.flight(builder, echo, turned);
-        let product = builder.multiply(time, factor);
-        let bits = self.scale_bits + self.time_bits;
+        let mut product = builder.multiply(time, factor);
+        let mut bits = self.scale_bits + self.time_bits;
+        if self.leading {
+            // The product and the time move by whole bytes; one or few places are left for the sum.
+            let high = builder.shift_right(product, BYTE);
+            let unit = builder.constant(LEADING >> BYTE);
+            let whole = builder.multiply(time, unit);
+            product = builder.add(high, whole);
+            bits -= BYTE;
+        }
         let whole = self.offset.round() as i64;
         let lowest = builder.range(product).minimum;
         // A negative product is lifted before the shift and lowered after it: only natural numbers are shifted.
@@ -312,6 +360,7 @@ mod tests {
             delay,
             offset: 0.0,
             rounded: false,
+            leading: false,
         }
     }
 

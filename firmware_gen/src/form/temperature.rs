@@ -1,7 +1,7 @@
 //! The forms of the temperature alone. One form, one file.
 
 use super::contract::Propose;
-use super::{factored, full_table, interpolated_table, polynomial, segments, square};
+use super::{adapted, factored, full_table, interpolated_table, polynomial, segments, square};
 
 /// Every form of the temperature, with its name. To add one, write its file and add its line.
 pub const FORMS: &[(&str, Propose)] = &[
@@ -10,5 +10,6 @@ pub const FORMS: &[(&str, Propose)] = &[
     (segments::NAME, segments::propose),
     (square::NAME, square::propose),
     (factored::NAME, factored::propose),
+    (adapted::NAME, adapted::propose),
     (full_table::NAME, full_table::propose),
 ];

@@ -3,7 +3,7 @@
 use super::Lowered;
 use crate::affine::Affine;
 use crate::device::{Axis, rows, values};
-use crate::reference::Reference;
+use crate::reference::{Reference, Shape};
 use echocal_core::chain::Stage;
 use echocal_core::dual::Dual;
 use echocal_core::scalar::Rows;
@@ -19,10 +19,7 @@ const STEPS_ALLOWED: usize = 20;
 impl Reference for Lowered {
     fn distances(&self, conditions: &[f64], time_of_flight: &[f64], distance: &mut [f64]) {
         let at = self.at(conditions);
-        let line = self.time(Affine::DISTANCE, &at);
-        // A straight line for every distance, as the formulas prove: it is inverted once for the whole row.
-        if line.slope.is_finite() && line.slope != 0.0 {
-            let (slope, start) = (line.slope.recip(), -line.constant / line.slope);
+        if let Some((slope, start)) = self.line(&at) {
             let pairs = distance.iter_mut().zip(time_of_flight);
             // No fused multiplication: where the core has none it is a call, and it would buy 1e-16 of the distance.
             #[allow(clippy::suboptimal_flops)]
@@ -31,9 +28,26 @@ impl Reference for Lowered {
             self.invert(&at, time_of_flight, distance);
         }
     }
+
+    fn shape(&self, conditions: &[f64]) -> Shape<'_> {
+        let at = self.at(conditions);
+        match self.line(&at) {
+            Some((slope, start)) if slope >= 0.0 => Shape::Line { slope, start },
+            Some(_) => Shape::Unknown,
+            None => Shape::Curve(Box::new(move |distance| self.time(distance, &at))),
+        }
+    }
 }
 
 impl Lowered {
+    /// The distance as slope [m/s] and start [m], if the formulas prove that it is a straight line for all echo times:
+    /// it is inverted once for the whole row.
+    fn line(&self, at: &Conditions<f64>) -> Option<(f64, f64)> {
+        let line = self.time(Affine::DISTANCE, at);
+        let (slope, start) = (line.slope.recip(), -line.constant / line.slope);
+        (slope.is_finite() && slope != 0.0 && start.is_finite()).then_some((slope, start))
+    }
+
     /// The least and the greatest echo time \[s\] at each of `distances` \[m\], over all codes of the conditions.
     /// `go_on` is asked now and then; `None` if it said no.
     pub fn echo_times(

@@ -22,8 +22,10 @@ impl Worst {
         echo: 0,
     };
 
+    /// The larger error; of equal ones, that of the earlier row.
     pub(super) fn or(self, other: Self) -> Self {
-        if other.error > self.error {
+        let earlier = other.error == self.error && other.row < self.row;
+        if other.error > self.error || earlier {
             other
         } else {
             self

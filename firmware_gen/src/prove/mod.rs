@@ -2,107 +2,92 @@
 
 mod checker;
 mod claim;
+mod crew;
+mod hash;
+mod quick;
+mod row;
 mod straight;
 
-use crate::device::Device;
 use crate::error::Error;
 use crate::ir::Program;
-use checker::{Checker, Row};
+use checker::Checker;
+use crew::each;
+use quick::{Quick, Records};
+use row::{Fault, Row, Times};
 
 pub use claim::{Claim, Proof, SEED, Worst, fold};
+pub(crate) use straight::Straight;
 
-use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
-use std::sync::mpsc;
-use std::time::{Duration, Instant};
-
-/// Interval between two reports of the progress. Set by hand.
-const TICK: Duration = Duration::from_millis(50);
-
-type Message = Result<(usize, Row), Error>;
-
-/// What the threads share.
-#[derive(Default)]
-struct Work {
-    next: AtomicUsize,
-    done: AtomicU64,
-    stop: AtomicBool,
+/// How a row was proven, and with what outcome.
+enum Checked {
+    /// By bounds; its outputs are to be hashed.
+    Quick(Row, Straight),
+    /// At every echo code; with the hash of its outputs.
+    Every(Row, u32),
 }
 
-impl Work {
-    /// Check rows until none is left, or the caller said stop.
-    fn run(
-        &self,
-        program: &Program,
-        claim: Claim<'_>,
-        send: &mpsc::Sender<Message>,
-    ) -> Result<(), Error> {
-        let mut checker = Checker::new(program, claim)?;
-        let rows = claim.device.rows();
-        let stride = stride(rows);
-        loop {
-            let turn = self.next.fetch_add(1, Ordering::Relaxed);
-            if turn >= rows || self.stop.load(Ordering::Relaxed) {
-                return Ok(());
-            }
-            let row = turn * stride % rows;
-            let result = checker.row(row)?;
-            if result.bounded.error > claim.most {
-                return Err(Error::Beyond(result.bounded.error));
-            }
-            self.done
-                .fetch_add(claim.device.echo.len() as u64, Ordering::Relaxed);
-            let _ = send.send(Ok((row, result)));
-        }
-    }
+/// One thread of the proof.
+struct Prover<'a> {
+    program: &'a Program,
+    claim: Claim<'a>,
+    times: &'a Times,
+    records: &'a Records,
+    checker: Checker<'a>,
+    /// Whether every echo code is evaluated, whatever could be proven without.
+    every: bool,
+}
 
-    /// Collect the rows as they arrive, and report the progress.
-    fn listen(
-        &self,
-        receive: &mpsc::Receiver<Message>,
-        rows: usize,
-        progress: &mut dyn FnMut(u64) -> bool,
-    ) -> Result<Vec<Option<Row>>, Error> {
-        let mut found: Vec<Option<Row>> = (0..rows).map(|_| None).collect();
-        let mut told = Instant::now();
-        let mut tell = || {
-            progress(self.done.load(Ordering::Relaxed))
-                .then_some(())
-                .ok_or(Error::Stopped)
+impl Prover<'_> {
+    fn row(&mut self, row: usize) -> Result<Checked, Error> {
+        let quick = if self.every { None } else { self.quick(row)? };
+        let checked = match quick {
+            Some((result, straight)) => Checked::Quick(result, straight),
+            None => {
+                let (result, hash) = self.checker.row(row)?;
+                Checked::Every(result, hash)
+            }
         };
-        loop {
-            match receive.recv_timeout(TICK) {
-                Ok(message) => {
-                    let (row, result) = message?;
-                    found[row] = Some(result);
-                }
-                Err(mpsc::RecvTimeoutError::Timeout) => {}
-                Err(mpsc::RecvTimeoutError::Disconnected) => return tell().map(|()| found),
-            }
-            if told.elapsed() >= TICK {
-                told = Instant::now();
-                tell()?;
-            }
+        let error = checked.row().bounded.error;
+        if error > self.claim.most {
+            return Err(Error::Beyond(error));
         }
+        Ok(checked)
+    }
+
+    fn quick(&self, row: usize) -> Result<Option<(Row, Straight)>, Error> {
+        let device = self.claim.device;
+        let ends = (device.echo.codes.minimum, device.echo.codes.maximum);
+        let straight = Straight::of(self.program, &device.codes(row), ends)
+            .map_err(|overflow| Fault { device, row }.overflow(&overflow, ends.0))?;
+        let Some(straight) = straight else {
+            return Ok(None);
+        };
+        let conditions = device.values(row);
+        let quick = Quick {
+            claim: self.claim,
+            times: self.times,
+            records: self.records,
+            straight,
+            shape: self.claim.reference.shape(&conditions),
+            row,
+            conditions,
+        };
+        Ok(quick.check()?.map(|row| (row, straight)))
     }
 }
 
-/// The distance between consecutively checked rows. Every row is checked once. The first rows are spread over all
-/// conditions, so that a program with too large an error is dropped early.
-fn stride(rows: usize) -> usize {
-    let divisor = |a: usize, b: usize| {
-        let (mut a, mut b) = (a, b);
-        while b > 0 {
-            (a, b) = (b, a % b);
+impl Checked {
+    const fn row(&self) -> &Row {
+        match self {
+            Self::Quick(row, _) | Self::Every(row, _) => row,
         }
-        a
-    };
-    let golden = rows * 5 / 8;
-    (golden.max(1)..)
-        .find(|stride| divisor(*stride, rows) == 1)
-        .unwrap_or(1)
+    }
 }
 
 /// Check `program` on every input. `progress` receives the number of checked inputs; it returns `false` to stop.
+///
+/// Where bounds show that the error of some inputs is below the largest, these inputs are not evaluated one by one; the
+/// result is the same as that of [`prove_one_by_one`]. All outputs are hashed in any case.
 ///
 /// # Errors
 /// If an intermediate overflows, the output falls as the echo time grows, the model has no distance somewhere, the
@@ -112,44 +97,99 @@ pub fn prove(
     claim: Claim<'_>,
     progress: &mut dyn FnMut(u64) -> bool,
 ) -> Result<Proof, Error> {
-    let rows = claim.device.rows();
-    let work = &Work::default();
-    let (send, receive) = mpsc::channel();
-    let found = std::thread::scope(|scope| {
-        for _ in 0..claim.threads.clamp(1, rows) {
-            let send = send.clone();
-            scope.spawn(move || {
-                if let Err(error) = work.run(program, claim, &send) {
-                    let _ = send.send(Err(error));
-                }
-            });
-        }
-        drop(send);
-        let found = work.listen(&receive, rows, progress);
-        work.stop.store(true, Ordering::Relaxed);
-        found
-    })?;
-    gather(&found, claim.device)
+    run(program, claim, false, progress)
 }
 
-/// The proof of all rows, in their order; a row without a result proves nothing, and neither do no inputs.
-fn gather(found: &[Option<Row>], device: &Device) -> Result<Proof, Error> {
+/// [`prove`] by brute force: every step of the twin and the model at every input.
+///
+/// # Errors
+/// As for [`prove`].
+pub fn prove_one_by_one(
+    program: &Program,
+    claim: Claim<'_>,
+    progress: &mut dyn FnMut(u64) -> bool,
+) -> Result<Proof, Error> {
+    run(program, claim, true, progress)
+}
+
+fn run(
+    program: &Program,
+    claim: Claim<'_>,
+    every: bool,
+    progress: &mut dyn FnMut(u64) -> bool,
+) -> Result<Proof, Error> {
+    let rows = claim.device.rows();
+    let (times, records) = (&Times::of(claim.device), &Records::default());
     let mut proof = Proof {
         bounded: Worst::NONE,
         overall: Worst::NONE,
-        inputs: 0,
+        inputs: claim.device.inputs(),
         bounded_inputs: 0,
         hash: SEED,
     };
-    for row in found {
-        let row = row
-            .as_ref()
-            .ok_or_else(|| Error::Proof("a row was not checked".into()))?;
-        proof.bounded = proof.bounded.or(row.bounded);
-        proof.overall = proof.overall.or(row.overall);
-        proof.inputs += device.echo.len() as u64;
-        proof.bounded_inputs += row.within;
-        proof.hash = fold(proof.hash, row.hash);
+    let mut lines = vec![None; rows];
+    let mut hashes = vec![None; rows];
+    // Half of the work is to bound the errors, half to hash the outputs.
+    let (inputs, threads) = (proof.inputs, claim.threads);
+    let half = |done: usize, of: usize| (inputs as f64 / 2.0 * done as f64 / of as f64) as u64;
+    each(
+        threads,
+        rows,
+        || {
+            let mut prover = Prover {
+                program,
+                claim,
+                times,
+                records,
+                checker: Checker::new(program, claim, times)?,
+                every,
+            };
+            Ok(move |row| prover.row(row))
+        },
+        &mut |row, checked: Checked| {
+            let found = checked.row();
+            proof.bounded = proof.bounded.or(found.bounded);
+            proof.overall = proof.overall.or(found.overall);
+            proof.bounded_inputs += found.within;
+            match checked {
+                Checked::Quick(_, straight) => lines[row] = Some(straight),
+                Checked::Every(_, hash) => hashes[row] = Some(hash),
+            }
+        },
+        &mut |done| progress(half(done, rows)),
+    )?;
+    let straight: Vec<usize> = (0..rows).filter(|row| lines[*row].is_some()).collect();
+    let groups: Vec<&[usize]> = straight.chunks(hash::ROWS).collect();
+    each(
+        threads,
+        groups.len(),
+        || {
+            Ok(|group: usize| {
+                let line = |row: &usize| lines[*row];
+                let mut found = groups[group].iter().filter_map(line);
+                let first = found.next().ok_or(Error::Stopped)?;
+                let rows = std::array::from_fn(|k| {
+                    if k == 0 {
+                        first
+                    } else {
+                        found.next().unwrap_or(first)
+                    }
+                });
+                Ok(hash::hashes(&rows, claim.device.echo.codes))
+            })
+        },
+        &mut |group: usize, found| {
+            let pairs = groups[group].iter().zip(found);
+            pairs.for_each(|(row, hash)| hashes[*row] = Some(hash));
+        },
+        &mut |done| progress(inputs / 2 + half(done, groups.len())),
+    )?;
+    if !progress(inputs) {
+        return Err(Error::Stopped);
+    }
+    for hash in hashes {
+        let hash = hash.ok_or_else(|| Error::Proof("a row was not checked".into()))?;
+        proof.hash = fold(proof.hash, hash);
     }
     if proof.bounded_inputs == 0 {
         return Err(Error::Request(

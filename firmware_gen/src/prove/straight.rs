@@ -1,12 +1,13 @@
-//! A row of echo times at the speed of additions, where the program itself shows that it can be had: at fixed conditions
+//! The output over a row of echo times as one line, where the program itself shows that it is one: at fixed conditions
 //! each step of most programs is a straight line in the echo time, or one such line cut off. Lines are monotone, so what
-//! every step claims holds at all echo codes if it holds at the first and the last; every output is still computed.
+//! every step claims holds at all echo codes if it holds at the first and the last, and the output never falls.
 
-use crate::ir::{LANES, Operation, Overflow, Program, Value};
+use crate::ir::{Operation, Overflow, Program, Value};
+use crate::types::Range;
 
 /// The output `(start + slope * echo) >> bits`, and `after` on top of it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Straight {
+pub(crate) struct Straight {
     start: i64,
     slope: i64,
     bits: u32,
@@ -51,11 +52,22 @@ impl Straight {
         match (self.constant(), other.constant()) {
             (_, Some(constant)) => self.plus(constant),
             (Some(constant), _) => other.plus(constant),
-            _ => {
-                let ((a, b), (c, d)) = (self.line()?, other.line()?);
-                Some(Self::of_line(a.checked_add(c)?, b.checked_add(d)?))
-            }
+            // What is not cut off goes below the cut of the other.
+            _ => match (self.line(), other.line()) {
+                (_, Some(line)) => self.plus_line(line),
+                (Some(line), _) => other.plus_line(line),
+                _ => None,
+            },
         }
+    }
+
+    fn plus_line(self, (start, slope): (i64, i64)) -> Option<Self> {
+        let unit = 1_i64.checked_shl(self.bits)?;
+        Some(Self {
+            start: self.start.checked_add(start.checked_mul(unit)?)?,
+            slope: self.slope.checked_add(slope.checked_mul(unit)?)?,
+            ..self
+        })
     }
 
     fn times(self, other: Self) -> Option<Self> {
@@ -71,18 +83,18 @@ impl Straight {
     }
 
     fn cut(self, bits: u32) -> Option<Self> {
-        let (start, slope) = self.line()?;
+        let unit = 1_i64.checked_shl(self.bits)?;
         Some(Self {
-            start,
-            slope,
-            bits,
+            start: self.start.checked_add(self.after.checked_mul(unit)?)?,
+            slope: self.slope,
+            bits: self.bits + bits,
             after: 0,
         })
     }
 
     /// The output of `program` at these conditions, its claims checked at the `first` and the `last` echo code; nothing
     /// if it is not such a line, rising.
-    pub(super) fn of(
+    pub(crate) fn of(
         program: &Program,
         conditions: &[i64],
         (first, last): (i64, i64),
@@ -124,21 +136,50 @@ impl Straight {
         (line >> self.bits).checked_add(self.after)
     }
 
-    /// Outputs for the echo codes from `first`.
-    pub(super) fn fill(self, first: i64, outputs: &mut [i32; LANES]) {
-        let start = self.slope * first + self.start;
-        let end = start + self.slope * LANES as i64;
-        if start >= 0 && end <= i64::from(u32::MAX) {
-            let (start, slope, after) = (start as u32, self.slope as u32, self.after as i32);
-            for (lane, output) in outputs.iter_mut().enumerate() {
-                let line = slope.wrapping_mul(lane as u32).wrapping_add(start);
-                *output = ((line >> self.bits) as i32).wrapping_add(after);
-            }
-        } else {
-            for (lane, output) in outputs.iter_mut().enumerate() {
-                let line = start + self.slope * lane as i64;
-                *output = ((line >> self.bits) + self.after) as i32;
-            }
-        }
+    /// The output at an echo code between the two that were checked.
+    pub(crate) fn output(self, echo: i64) -> i32 {
+        ((self.start_at(echo) >> self.bits) + self.after) as i32
+    }
+
+    /// The line at an echo code, before anything is cut off.
+    pub(super) fn start_at(self, echo: i64) -> i64 {
+        self.slope * echo + self.start
+    }
+
+    /// The same \[unit\].
+    pub(super) fn line_at(self, echo: i64) -> f64 {
+        self.start_at(echo) as f64 / self.unit() + self.after as f64
+    }
+
+    /// Growth of the line per echo code \[unit\].
+    pub(super) fn growth(self) -> f64 {
+        self.slope as f64 / self.unit()
+    }
+
+    /// The most that is cut off \[unit\].
+    pub(super) fn cut_off(self) -> f64 {
+        1.0 - self.unit().recip()
+    }
+
+    fn unit(self) -> f64 {
+        f64::from(self.bits).exp2()
+    }
+
+    /// Whether the line is a natural number of 32 bits at all `codes`, and one code further.
+    pub(super) fn fits_word(self, codes: Range) -> bool {
+        let end = self.start_at(codes.maximum).checked_add(self.slope);
+        self.start_at(codes.minimum) >= 0 && end.is_some_and(|end| end <= i64::from(u32::MAX))
+    }
+
+    pub(super) const fn bits(self) -> u32 {
+        self.bits
+    }
+
+    pub(super) const fn slope(self) -> i64 {
+        self.slope
+    }
+
+    pub(super) const fn after(self) -> i64 {
+        self.after
     }
 }

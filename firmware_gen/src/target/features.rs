@@ -99,6 +99,9 @@ fn count(program: &Program, node: &Node, counts: &mut Features) {
             1,
         ),
         Operation::Multiply(a, b) => match doublings(program, a, b) {
+            Some(times) if times > 0 && times % 8 == 0 => {
+                add(const { kind("shifts by whole bytes") }, 1)
+            }
             Some(times) => add(const { kind("doublings") }, times),
             None => add(product(program, a, b, bits), 1),
         },

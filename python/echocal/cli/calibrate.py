@@ -9,6 +9,7 @@ from rich.table import Table
 
 from echocal.calibrate import Calibration, calibrate
 from echocal.cli import _made_by
+from echocal.cli._complete import parameters
 from echocal.cli._console import Console
 from echocal.cli._models import Effects, model_of
 from echocal.cli._outputs import Force, Output, Report, check_outputs, write_report
@@ -32,7 +33,11 @@ def command(
     data: Annotated[Path, typer.Argument(help="Table of echoes with reference distances.")],
     fit: Annotated[
         list[str],
-        typer.Option(metavar="NAME", help="Parameter to fit: zero_error.offset, fixed_delay, law.slope."),
+        typer.Option(
+            metavar="NAME",
+            help="Parameter to fit: zero_error.offset, fixed_delay, law.slope.",
+            autocompletion=parameters,
+        ),
     ],
     law: Annotated[str | None, typer.Option(help="Law or expression to begin with; default cramer.")] = None,
     model: Annotated[Path | None, typer.Option(metavar="FILE", help="Model file to begin with.")] = None,
@@ -70,10 +75,10 @@ def command(
         write_report(report, calibration_page, found, data.name)
     write_json(found.to_dict(), json)
     if not quiet and json != "-":
-        _print(found, out)
+        _print(found)
 
 
-def _print(found: Calibration, out: Path | None) -> None:
+def _print(found: Calibration) -> None:
     console = Console()
     table = Table("parameter", "value", "standard uncertainty", "unit")
     for estimate in found:
@@ -92,5 +97,3 @@ def _print(found: Calibration, out: Path | None) -> None:
         console.print(f"{name} ended on a bound: its uncertainty is not reliable", style="yellow")
     for note in found.notes:
         console.print(f"note: {note}", markup=False)
-    if out is not None:
-        console.print(f"wrote {out}", markup=False)

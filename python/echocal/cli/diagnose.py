@@ -1,13 +1,24 @@
 """``echocal diagnose``: name what the base simulation gets wrong."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, TypeAlias
 
 import typer
 
 from echocal.cli import _fleet, _made_by, _pool
+from echocal.cli._brief import follow_up, print_brief
+from echocal.cli._complete import bases
 from echocal.cli._console import Console
-from echocal.cli._outputs import Force, Output, PlotFormat, Report, check_outputs, made_in, write_report
+from echocal.cli._outputs import (
+    Force,
+    Output,
+    PlotFormat,
+    Report,
+    check_outputs,
+    made_in,
+    write_report,
+    written,
+)
 from echocal.cli._ranges import parsed_ranges
 from echocal.cli._tables import (
     AS_IT_IS,
@@ -18,6 +29,7 @@ from echocal.cli._tables import (
     from_stdin,
     noted,
     reading_options,
+    reading_words,
     write_json,
 )
 from echocal.diagnose import Diagnosis, diagnose
@@ -26,6 +38,31 @@ from echocal.errors import DomainWarning, UsageError
 from echocal.model import Model
 from echocal.outputs import csv_text, replace_text
 from echocal.report import print_diagnosis
+
+Base: TypeAlias = Annotated[
+    str,
+    typer.Option(
+        help="linear, ideal_gas, cramer, virial, 331.3+0.606*T (linear in T), m/s, or a model file.",
+        autocompletion=bases,
+    ),
+]
+ReferenceDistance: TypeAlias = Annotated[
+    float | None, typer.Option(metavar="M", help="Distance of the target in every row, in m.")
+]
+ConstantDistance: TypeAlias = Annotated[
+    bool, typer.Option("--constant-distance", help="The target did not move; its distance is not known.")
+]
+MattersMm: TypeAlias = Annotated[
+    float | None,
+    typer.Option(
+        metavar="MM",
+        help="The difference of a reading that matters to you. Effects that add less are told in one line. "
+        "Default: by the steps of the readings, at least 0.3.",
+    ),
+]
+Details: TypeAlias = Annotated[
+    bool, typer.Option("--details", help="Print the evidence, the gain, every probability and note.")
+]
 
 
 @reading_options()
@@ -40,18 +77,10 @@ def command(
             metavar="[DATA ...]", help="Further tables, of this instrument or of others of its kind."
         ),
     ] = None,
-    base: Annotated[
-        str,
-        typer.Option(
-            help="linear, ideal_gas, cramer, virial, 331.3+0.606*T (linear in T), m/s, or a model file."
-        ),
-    ] = "linear",
-    reference_distance: Annotated[
-        float | None, typer.Option(metavar="M", help="Distance of the target in every row, in m.")
-    ] = None,
-    constant_distance: Annotated[
-        bool, typer.Option("--constant-distance", help="The target did not move; its distance is not known.")
-    ] = False,
+    base: Base = "linear",
+    reference_distance: ReferenceDistance = None,
+    constant_distance: ConstantDistance = False,
+    matters_mm: MattersMm = None,
     reading: Given = AS_IT_IS,
     since: Annotated[str | None, typer.Option(metavar="TIME", help="Use rows from this time on.")] = None,
     until: Annotated[
@@ -134,6 +163,7 @@ def command(
         typer.Option(metavar="NAME", help=f"Of a fleet: who does the work: {', '.join(ENGINES)}."),
     ] = None,
     spreadsheet_safe: SpreadsheetSafe = False,
+    details: Details = False,
     json: Json = None,
     seed: Annotated[int, typer.Option(min=0, help="Seed of the gain's interval.")] = 0,
     force: Force = False,
@@ -189,7 +219,7 @@ def command(
             [data, *tables],
             by,
             used,
-            {**request, "base": _base(base)},
+            {**request, "base": base_of(base)},
             reading.given(),
             _pool.Outputs(models, plots, json, plot_format, report),
             force=force,
@@ -211,13 +241,14 @@ def command(
         task = bar.add_task("reading", total=None)
         diagnosis = diagnose(
             data,
-            base=_base(base),
+            base=base_of(base),
             reference_distance=reference_distance,
             constant_distance=constant_distance,
             since=since,
             until=until,
             hold_out_after=_time(hold_out_after),
             can_vary=_ranges(can_vary, ranges),
+            matters_mm=matters_mm,
             seed=seed,
             progress=lambda what, done, total: bar.update(
                 task, description=what, completed=done, total=total
@@ -238,7 +269,11 @@ def command(
     if rows is not None:
         replace_text(rows, csv_text(diagnosis.row_table()), newline="")
     if not quiet and json != "-":
-        print_diagnosis(diagnosis, Console())
+        console = Console(highlight=False)
+        if details:
+            print_diagnosis(diagnosis, Console())
+        else:
+            print_brief(diagnosis, console, written(), _after(diagnosis, data, model, reading), "--details")
 
 
 def _renamed(model: Path | None, former: Path | None, quiet: bool) -> Path | None:
@@ -269,7 +304,8 @@ def _file(base: str) -> list[str]:
     return [base] if base.endswith(".json") else []
 
 
-def _base(base: str) -> str | Model:
+def base_of(base: str) -> str | Model:
+    """The model of a file, or the base as it is written."""
     return Model.load(base) if _file(base) else base
 
 
@@ -296,6 +332,15 @@ def _write(diagnosis: Diagnosis, whole: Model, model: Path | None, plots: Path |
         save_diagnosis(diagnosis, plots, form)
     if model is not None:
         whole.save(model)
+
+
+def _after(diagnosis: Diagnosis, data: Path, model: Path | None, reading: Given) -> str:
+    """The command that uses the model, where there is one to use."""
+    if diagnosis.verdict != "named" or not diagnosis.model.effects or diagnosis.good_enough:
+        return ""
+    if model is None:
+        return "--save-model model.json writes it; echocal correct applies it."
+    return next(iter(follow_up(diagnosis, data, model, reading_words(reading)).values()))
 
 
 def _ranges(first: list[str] | None, more: list[str]) -> dict[str, tuple[float, float]] | None:

@@ -21,6 +21,7 @@ from rich.table import Table
 from echocal import silicon
 from echocal.checksums import CHECKSUMS, listed, unedited
 from echocal.cli import _explore, _made_by
+from echocal.cli._complete import targets
 from echocal.cli._console import Console
 from echocal.cli._outputs import Force, Output, check_outputs, made_in, pass_on
 from echocal.echoes import BLANKING_M
@@ -42,7 +43,10 @@ def command(
     model: Annotated[Path, typer.Argument(help="Model file, such as diagnose writes.", metavar="MODEL.json")],
     out: Annotated[Path, option("Folder for the generated files.", "-o", "--out")],
     target: Annotated[
-        str, option("Core: avr, cortex-m0, cortex-m3, cortex-m4f, rv32, rv32e or c99.")
+        str,
+        typer.Option(
+            help="Core: avr, cortex-m0, cortex-m3, cortex-m4f, rv32, rv32e or c99.", autocompletion=targets
+        ),
     ] = "c99",
     temperature_lsb: Annotated[float, option("Step of one temperature code [degC].")] = 0.0625,
     temperature_range: Annotated[str, option("Accepted temperatures, LOW:HIGH [degC].")] = "-20:60",
@@ -83,6 +87,9 @@ def command(
     ] = None,
     max_table_bytes: Annotated[int, option("Largest size of all tables together [byte].")] = 1024,
     package: Annotated[str, option("Kind of files: c, arduino, platformio, esphome or micropython.")] = "c",
+    name: Annotated[
+        str, option("Start of the names of files, functions and macros. Two sensors need two.")
+    ] = "echocal",
     measure: Annotated[
         bool, option("Compile, run in a simulator, state flash and time.", "--measure")
     ] = False,
@@ -103,7 +110,7 @@ def command(
     """Turn a model into C that is proven over every input."""
     console = Console(stderr=True, quiet=quiet)
     if explore:
-        _refuse_one(prefer, form, measure, package, page)
+        _refuse_one(prefer, form, measure, package, name, page)
     _refuse_outputs(model, json, out, _explore.FILES if explore else listed(out), page, force=force)
     request: dict[str, Any] = {
         "temperature": TemperatureCodes(
@@ -125,7 +132,7 @@ def command(
         if explore:
             text, table = _explore.run(followed, target, out, tell, **request)
         else:
-            one: dict[str, Any] = {"form": form, "package": package, "measure": measure}
+            one: dict[str, Any] = {"form": form, "package": package, "name": name, "measure": measure}
             saved = prefer or "size"
             made = generate(followed, target, prefer=saved, progress=_proving(tell), **one, **request)
             if page is not None:
@@ -146,12 +153,14 @@ def command(
     console.print(_summary(made, files, notes))
 
 
-def _refuse_one(prefer: str | None, form: str | None, measure: bool, package: str, page: Path | None) -> None:
+def _refuse_one(
+    prefer: str | None, form: str | None, measure: bool, package: str, name: str, page: Path | None
+) -> None:
     """Refuse options of a single function together with --explore."""
-    if prefer or form or measure or package != "c" or page is not None:
+    if prefer or form or measure or package != "c" or name != "echocal" or page is not None:
         message = (
             "--explore tries every form, for size and for speed, and writes no package: leave out --prefer, "
-            "--form, --measure, --package and --report"
+            "--form, --measure, --package, --name and --report"
         )
         raise UsageError(message)
 
@@ -206,6 +215,7 @@ def _refuse_outputs(
         inputs=[model],
         folder=out,
         force=force,
+        told=True,
     )
 
 

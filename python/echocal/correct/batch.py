@@ -22,7 +22,7 @@ from echocal.model import Model
 from echocal.model.folder import ModelFolder
 from echocal.model.plain import to_plain
 from echocal.objects import is_url
-from echocal.observations.given import READ_OPTIONS, refuse_keywords
+from echocal.observations.given import READ_OPTIONS, refuse_keywords, refuse_reference
 from echocal.observations.layout import Layout
 from echocal.places import place_of, size_of
 
@@ -127,6 +127,7 @@ def correct_files(
     '11680,20,2.000305,,,'
     """
     refuse_keywords(correct_files, options, READ_OPTIONS)
+    refuse_reference(options)
     written = {} if layout is None else layout.plain()
     reading = Reading.of({"columns": columns, **written, **options}, uncertainties, mark_rows)
     elsewhere = is_elsewhere(engine)
@@ -218,7 +219,7 @@ def job_of(
     if round_mm is not None and not round_mm > 0.0:
         message = f"{keyword('round_mm', round_mm)} is no step; give a positive number of millimeters"
         raise UsageError(message)
-    stated = reading.uncertainties.stated
+    stated = reading.uncertainties.plain()
     metadata = {"echocal.version": __version__, "echocal.distance_unit": "m"}
     if model is not None:
         metadata["echocal.model_hash"] = model.hash
@@ -232,7 +233,7 @@ def job_of(
     if round_mm is not None:
         metadata["echocal.rounded_to_mm"] = f"{round_mm:g}"
     described = {"model": to_plain(model)} if model is not None else {"folder": str(models), "by": str(by)}
-    how = {**reading.plain(), "mark_rows": reading.mark_rows, "uncertainties": dict(stated)}
+    how = {**reading.plain(), "mark_rows": reading.mark_rows, "uncertainties": stated}
     return {
         "models": described,
         "reading": how,

@@ -249,7 +249,8 @@ class Corrector:
         key = sizes[0][0]
         model = self._job.models.model(key)
         if model is None:
-            return no_distance(len(table), NO_MODEL if key else _NO_KEY), []
+            reason = NO_MODEL if key else _NO_KEY
+            return no_distance(len(table), reason, self._job.reading.first), []
         groups: list[tuple[Model, slice]] = []
         at = 0
         for own, count in sizes if len(sizes) > 1 else []:
@@ -322,5 +323,6 @@ def _scattered(found: list[Rows], orders: list[NDArray[np.intp]]) -> Rows:
         tuple(reasons),
         tuple(reasons.values()),
         tuple(dict.fromkeys(note for rows in found for note in rows.notes)),
+        found[0].first,
         outside,
     )

@@ -38,6 +38,7 @@ def diagnose(
     until: str | None = None,
     hold_out_after: str | float | None = None,
     can_vary: Mapping[str, Sequence[float]] | None = None,
+    matters_mm: float | None = None,
     seed: int = 0,
     settings: Settings | Mapping[str, Mapping[str, Any]] | None = None,
     progress: Progress | None = None,
@@ -75,6 +76,11 @@ def diagnose(
         Conditions that can be varied for the next measurements, with their ranges:
         ``{"distance": (0.2, 4.0), "temperature": (5.0, 40.0)}`` in m and degC. The names are those
         of recorded conditions.
+    matters_mm : float, optional
+        The difference of a reading from which on it matters to you [mm]. An effect that adds less to every
+        reading is told in one line; where all do, the verdict is told as "good enough". It changes no
+        probability and no model. Default: what the resolution of the readings or the datasheet of an
+        HC-SR04 makes of it; `Diagnosis.matters_mm` and `Diagnosis.matters_because` say what.
     seed : int
         Seed of the resampling for the interval of the gain, not negative.
     settings : Settings or mapping, optional
@@ -123,6 +129,7 @@ def diagnose(
         until=until,
         hold_out_after=hold_out_after,
         can_vary=can_vary,
+        matters_mm=matters_mm,
     )
     work = Steps(progress)
     work.begin("reading")

@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from echocal.budget import Budget
 from echocal.calibrate import Calibration
 from echocal.charts.results import errors_chart, residual_chart
 from echocal.diagnose import Diagnosis
@@ -92,3 +93,16 @@ def _(result: Verification) -> Figure:
 @figure.register
 def _(result: EchoTimes) -> Figure:
     return echo_times_figure(result)
+
+
+@figure.register
+def _(result: Budget) -> Figure:
+    drawn, ax = _axes()
+    row = int(np.nanargmax(result.expanded_uncertainty))
+    sizes = _MM * np.abs(result.itemized.contributions[row])
+    names = [entry.words for entry in result.entries]
+    ax.barh([*names, "combined"], [*sizes, _MM * result.standard_uncertainty[row]], color=_DARK)
+    ax.invert_yaxis()
+    ax.set(xlabel="contribution to the standard uncertainty [mm]")
+    ax.set_title(f"budget of row {result.row[row]}", loc="left", fontsize=9)
+    return drawn

@@ -9,6 +9,8 @@ from html import escape
 import numpy as np
 import pandas as pd
 
+from echocal.budget import Budget
+from echocal.budget.rounding import plus_minus
 from echocal.calibrate import Calibration
 from echocal.diagnose import Diagnosis
 from echocal.diagnose.findings.parts import Parameter
@@ -212,3 +214,36 @@ def _(result: EchoTimes) -> pd.DataFrame:
 @explanation.register
 def _(result: EchoTimes) -> str:
     return "\n".join([said(result), *(f"{count} captures: {why}" for why, count in counted(result).items())])
+
+
+@headline.register
+def _(result: Budget) -> str:
+    row = int(np.nanargmax(result.expanded_uncertainty))
+    largest = plus_minus(_MM * result.distance[row], _MM * result.expanded_uncertainty[row], "mm")
+    return f"Budget of {len(result.distance)} distances; the largest uncertainty: {largest}"
+
+
+@dataframe.register
+def _(result: Budget) -> pd.DataFrame:
+    tables = [
+        pd.DataFrame(
+            {
+                "row": result.row,
+                "distance_m": result.distance,
+                "source": entry.words,
+                "type": entry.evaluation,
+                "distribution": entry.distribution,
+                "standard_uncertainty": entry.standard_uncertainty,
+                "unit": entry.unit,
+                "sensitivity": entry.sensitivity,
+                "degrees_of_freedom": entry.degrees_of_freedom,
+                "contribution_m": entry.contribution,
+                "share": share,
+                "combined_standard_uncertainty_m": result.standard_uncertainty,
+                "coverage_factor": result.coverage_factor,
+                "expanded_uncertainty_m": result.expanded_uncertainty,
+            }
+        )
+        for entry, share in zip(result.entries, result.itemized.shares.T, strict=True)
+    ]
+    return pd.concat(tables).sort_values("row", kind="stable").reset_index(drop=True)

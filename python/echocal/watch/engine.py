@@ -10,7 +10,8 @@ from typing import Any
 from echocal.correct.needed import refuse_no_model
 from echocal.errors import DataError, UsageError
 from echocal.model import Model
-from echocal.observations.given import READ_OPTIONS, refuse_keywords
+from echocal.observations.given import READ_OPTIONS, refuse_keywords, refuse_reference
+from echocal.observations.mount import is_level
 from echocal.observations.options import ReadOptions
 from echocal.watch.events import Event
 from echocal.watch.fleet import Fleet
@@ -104,6 +105,7 @@ def watch(
     1.0 0
     """
     refuse_keywords(watch, options, READ_OPTIONS)
+    refuse_reference(options)
     if (model is None) == (models is None):
         raise UsageError("give one model, or a folder of models with `models` and `by`")
     if models is not None and by is None:
@@ -117,6 +119,9 @@ def watch(
         )
         raise UsageError(message)
     how = ReadOptions(**options)
+    if any(is_level(name, own) for name, own in how.requests.items()):
+        message = "watch corrects distances, and a column holds a level: give it the distance, height - level"
+        raise UsageError(message)
     kept = State(None if state is None else Path(state))
     fleet = Fleet(
         models_of(model, None if models is None else Path(models)),

@@ -49,12 +49,12 @@ impl CoreFirmware {
         target::FEATURES.into_iter().zip(counts).collect()
     }
 
-    /// Outputs of the twin for columns of codes of equal length, the echo time first.
+    /// Outputs and statuses of the twin for columns of codes of equal length, the echo time first.
     fn evaluate<'py>(
         &self,
         py: Python<'py>,
         codes: Vec<Column<'py, i64>>,
-    ) -> PyResult<Bound<'py, PyArray1<i32>>> {
+    ) -> PyResult<(Bound<'py, PyArray1<i32>>, Bound<'py, PyArray1<u8>>)> {
         let names: Vec<&str> = self.device.axes().map(|axis| &*axis.name).collect();
         if codes.len() != names.len() {
             let (takes, got) = (names.len(), codes.len());
@@ -64,11 +64,11 @@ impl CoreFirmware {
         let lengths = codes.iter().map(|column| column.len());
         let lengths: Vec<_> = names.into_iter().zip(lengths).collect();
         let rows = same_length(&lengths)?;
-        let row = |row: usize| -> i32 {
-            let inputs: Vec<i64> = codes.iter().map(|column| column[row]).collect();
-            self.design.output(&self.device, &inputs)
-        };
-        Ok(PyArray1::from_iter(py, (0..rows).map(row)))
+        let inputs = |row| -> Vec<i64> { codes.iter().map(|column| column[row]).collect() };
+        let output = |row| self.design.output(&self.device, &inputs(row));
+        let status = |row| self.device.status(&inputs(row)) as u8;
+        let outputs = PyArray1::from_iter(py, (0..rows).map(output));
+        Ok((outputs, PyArray1::from_iter(py, (0..rows).map(status))))
     }
 }
 
@@ -128,6 +128,7 @@ pub struct FirmwareRequest {
     threads: usize,
     accept: Vec<String>,
     assumed: [f64; Quantity::COUNT],
+    name: String,
     command: String,
     model_hash: String,
     diagnosis: Vec<String>,
@@ -282,6 +283,7 @@ fn meet(
     });
     let provenance = Provenance {
         version: env!("CARGO_PKG_VERSION").into(),
+        name: request.name.clone(),
         command: request.command.clone(),
         target: request.target.clone(),
         package: request.package.clone(),

@@ -146,7 +146,10 @@ def missed(trace: Trace, settings: NoiseSettings) -> Column | None:
     with np.errstate(divide="ignore"):
         log = np.log(best.weights)[best.cells] + log_density(beside, best.scale, best.freedom)
     part = np.exp(log - log.max(axis=1, keepdims=True))
-    return np.asarray(step * (part @ orders) / part.sum(axis=1))
+    off = step * (part @ orders) / part.sum(axis=1)
+    if best.orders == _EITHER:  # a level is known up to whole periods, so its mean stays
+        off -= (np.bincount(trace.segment, off) / np.bincount(trace.segment))[trace.segment]
+    return np.asarray(off)
 
 
 def _mixtures(trace: Trace, step: Column, settings: NoiseSettings) -> list[_Mixture]:
@@ -234,4 +237,11 @@ def draw(table: Columns, random: np.random.Generator) -> None:
     table["reading_m"] += missed * 0.5 * (331.4 + 0.6 * table["temperature_C"]) * PERIOD
 
 
-NOISE = FittedNoise(facts=FACTS, draw=draw, fit=fit, offsets=missed, thresholds=Thresholds())
+NOISE = FittedNoise(
+    facts=FACTS,
+    draw=draw,
+    fit=fit,
+    offsets=missed,
+    in_steps=("amplitude_walk",),
+    thresholds=Thresholds(),
+)

@@ -41,8 +41,21 @@
 extern "C" {
 #endif
 
-/** Return value for codes outside the accepted ranges. It is never a distance. */
+/** Return value for codes outside the accepted ranges. It is never a distance. echocal_status() tells why. */
 #define ECHOCAL_OUT_OF_RANGE INT32_MIN
+
+/** Return value of echocal_status(): ok. */
+#define ECHOCAL_OK (0U)
+/** Return value of echocal_status(): no echo. */
+#define ECHOCAL_NO_ECHO (1U)
+/** Return value of echocal_status(): too near. */
+#define ECHOCAL_TOO_NEAR (2U)
+/** Return value of echocal_status(): too far. */
+#define ECHOCAL_TOO_FAR (3U)
+/** Return value of echocal_status(): temperature out of range. */
+#define ECHOCAL_TEMPERATURE_OUT_OF_RANGE (4U)
+/** Return value of echocal_status(): humidity out of range. */
+#define ECHOCAL_HUMIDITY_OUT_OF_RANGE (5U)
 
 /** First and last accepted code of echo_us. */
 #define ECHOCAL_ECHO_US_FIRST (109)
@@ -59,6 +72,31 @@ extern "C" {
  * @return distance [um], or ECHOCAL_OUT_OF_RANGE
  */
 int32_t echocal_distance_um(uint16_t echo_us, int16_t temperature_code);
+
+/**
+ * @brief Whether the function accepts the codes, or why not. It takes no memory unless it is called.
+ *
+ * The echo code is checked first.
+ * Echo codes of 35001 or more are no echo: a module without an echo ends its pulse so late.
+ *
+ * @return ECHOCAL_OK if the distance is one; otherwise the first reason, and the distance is ECHOCAL_OUT_OF_RANGE
+ */
+static inline uint8_t echocal_status(uint16_t echo_us, int16_t temperature_code)
+{
+    uint8_t status;
+    if ((echo_us == 0U) || (echo_us >= 35001U)) {
+        status = ECHOCAL_NO_ECHO;
+    } else if (echo_us < 109U) {
+        status = ECHOCAL_TOO_NEAR;
+    } else if (echo_us > 25072U) {
+        status = ECHOCAL_TOO_FAR;
+    } else if ((temperature_code < -40) || (temperature_code > 120)) {
+        status = ECHOCAL_TEMPERATURE_OUT_OF_RANGE;
+    } else {
+        status = ECHOCAL_OK;
+    }
+    return status;
+}
 
 #ifdef __cplusplus
 }

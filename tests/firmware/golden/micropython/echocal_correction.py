@@ -21,6 +21,13 @@ SPDX-License-Identifier: MIT OR Apache-2.0
 
 OUT_OF_RANGE = -2147483648
 
+OK = 0
+NO_ECHO = 1
+TOO_NEAR = 2
+TOO_FAR = 3
+TEMPERATURE_OUT_OF_RANGE = 4
+HUMIDITY_OUT_OF_RANGE = 5
+
 # speed factor, one entry every 32 codes
 _echocal_speed = (
     40846, 42116, 43350, 44546, 45707, 46831, 47934,
@@ -52,3 +59,16 @@ def distance_um(echo_us, temperature_code):
     # distance [um]
     distance = (echo_us * speed) >> 8
     return distance
+
+
+def status(echo_us, temperature_code):
+    """Return OK if the distance is one, otherwise the first reason why it is OUT_OF_RANGE."""
+    if echo_us <= 0 or echo_us >= 35001:
+        return NO_ECHO
+    if echo_us < 109:
+        return TOO_NEAR
+    if echo_us > 25072:
+        return TOO_FAR
+    if not -40 <= temperature_code <= 120:
+        return TEMPERATURE_OUT_OF_RANGE
+    return OK

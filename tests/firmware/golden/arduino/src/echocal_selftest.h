@@ -19,9 +19,9 @@ extern "C" {
 #define ECHOCAL_OUTPUT_HASH 0x3EBC4B20U
 
 /**
- * @brief Compare 26 outputs with their proven values. Inputs out of range are included.
+ * @brief Compare 27 outputs and statuses with their proven values. Inputs out of range are included.
  *
- * @return 0 if all outputs are equal, otherwise the number of the first different one, counted from 1
+ * @return 0 if all are equal, otherwise the number of the first different one, counted from 1
  */
 uint16_t echocal_selftest(void);
 

@@ -8,27 +8,34 @@
 #include "echocal_correction.h"
 
 /** Number of test vectors. */
-#define VECTORS (25U)
+#define VECTORS (26U)
 
 /** echo_us of each test vector. */
 static const uint16_t vector_echo_us[VECTORS] = {
     0U, 117U, 118U, 118U, 118U, 118U, 8441U, 8441U, 8441U, 8441U, 12603U, 12603U,
     12603U, 12603U, 16764U, 16764U, 16764U, 16764U, 25067U, 25088U, 25088U, 25088U, 25088U, 25089U,
-    65535U
+    35001U, 65535U
 };
 
 /** temperature_code of each test vector. */
 static const int16_t vector_temperature_code[VECTORS] = {
     40, 40, -40, 13, 66, 120, -40, 13, 66, 120, -32768, -41,
     121, 32767, -40, 13, 66, 120, -40, -40, 13, 66, 120, 40,
-    40
+    40, 40
 };
 
 /** distance of each test vector. */
 static const int32_t vector_distance[VECTORS] = {
     INT32_MIN, INT32_MIN, 17874, 18582, 19257, 19916, 1345230, 1413660, 1478936, 1542602, INT32_MIN, INT32_MIN,
     INT32_MIN, INT32_MIN, 2672586, 2808738, 2938615, 3065289, 3996753, 4000102, 4203983, 4398469, 4588158, INT32_MIN,
-    INT32_MIN
+    INT32_MIN, INT32_MIN
+};
+
+/** status of each test vector. */
+static const uint8_t vector_status[VECTORS] = {
+    1U, 2U, 0U, 0U, 0U, 0U, 0U, 0U, 0U, 0U, 4U, 4U,
+    4U, 4U, 0U, 0U, 0U, 0U, 0U, 0U, 0U, 0U, 0U, 3U,
+    1U, 1U
 };
 
 uint16_t echocal_selftest(void)
@@ -39,7 +46,8 @@ uint16_t echocal_selftest(void)
         const uint16_t echo_us = vector_echo_us[vector];
         const int16_t temperature_code = vector_temperature_code[vector];
         const int32_t distance = vector_distance[vector];
-        if (echocal_distance_um(echo_us, temperature_code) != distance) {
+        const uint8_t status = vector_status[vector];
+        if ((echocal_distance_um(echo_us, temperature_code) != distance) || (echocal_status(echo_us, temperature_code) != status)) {
             wrong = (uint16_t)(vector + 1U);
         }
     }

@@ -8,27 +8,34 @@
 #include "echocal_correction.h"
 
 /** Number of test vectors. */
-#define VECTORS (26U)
+#define VECTORS (27U)
 
 /** echo_us of each test vector. */
 static const uint16_t vector_echo_us[VECTORS] = {
     0U, 108U, 109U, 109U, 109U, 109U, 8430U, 8430U, 8430U, 8430U, 12590U, 12590U,
     12590U, 12590U, 16751U, 16751U, 16751U, 16751U, 24279U, 25047U, 25072U, 25072U, 25072U, 25072U,
-    25073U, 65535U
+    25073U, 35001U, 65535U
 };
 
 /** temperature_code of each test vector. */
 static const int16_t vector_temperature_code[VECTORS] = {
     40, 40, -40, 13, 66, 120, -40, 13, 66, 120, -32768, -41,
     121, 32767, -40, 13, 66, 120, -8, -8, -40, 13, 66, 120,
-    40, 40
+    40, 40, 40
 };
 
 /** distance of each test vector. */
 static const int32_t vector_distance[VECTORS] = {
     INT32_MIN, INT32_MIN, 17390, 18277, 19121, 19938, 1344980, 1413539, 1478872, 1542064, INT32_MIN, INT32_MIN,
     INT32_MIN, INT32_MIN, 2672569, 2808802, 2938622, 3064189, 3994180, 4120525, 4000159, 4204065, 4398373, 4586315,
-    INT32_MIN, INT32_MIN
+    INT32_MIN, INT32_MIN, INT32_MIN
+};
+
+/** status of each test vector. */
+static const uint8_t vector_status[VECTORS] = {
+    1U, 2U, 0U, 0U, 0U, 0U, 0U, 0U, 0U, 0U, 4U, 4U,
+    4U, 4U, 0U, 0U, 0U, 0U, 0U, 0U, 0U, 0U, 0U, 0U,
+    3U, 1U, 1U
 };
 
 uint16_t echocal_selftest(void)
@@ -39,7 +46,8 @@ uint16_t echocal_selftest(void)
         const uint16_t echo_us = vector_echo_us[vector];
         const int16_t temperature_code = vector_temperature_code[vector];
         const int32_t distance = vector_distance[vector];
-        if (echocal_distance_um(echo_us, temperature_code) != distance) {
+        const uint8_t status = vector_status[vector];
+        if ((echocal_distance_um(echo_us, temperature_code) != distance) || (echocal_status(echo_us, temperature_code) != status)) {
             wrong = (uint16_t)(vector + 1U);
         }
     }

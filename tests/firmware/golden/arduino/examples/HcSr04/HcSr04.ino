@@ -18,7 +18,7 @@
  * The first two methods were tested on a simulated ATmega328P. The third was tested on simulated cores (Cortex-M0, M3, M4
  * and RV32), with a replacement for the board's library. It was not tested on a real STM32 or ESP32.
  *
- * Output, one line for each measurement: the codes and the distance [um], or "out of range", or "no echo".
+ * Output, one line for each measurement: the codes and the distance [um], or why there is none: see REASONS.
  *
  * SPDX-License-Identifier: MIT OR Apache-2.0
  */
@@ -163,6 +163,16 @@ static int16_t read_temperature_code()
     return (int16_t)constrain(code, INT16_MIN, INT16_MAX);
 }
 
+/* By status. */
+static const char *const REASONS[] = {
+    "ok",
+    "no echo",
+    "too near",
+    "too far",
+    "temperature out of range",
+    "humidity out of range"
+};
+
 void setup()
 {
     Serial.begin(115200);
@@ -181,7 +191,7 @@ void loop()
         Serial.print(temperature_code);
         Serial.print(' ');
         if (distance == ECHOCAL_OUT_OF_RANGE) {
-            Serial.println("out of range");
+            Serial.println(REASONS[echocal_status(echo_us, temperature_code)]);
         } else {
             Serial.println(distance);
         }

@@ -1,0 +1,121 @@
+//! What holds for one row: the echo times at one combination of conditions.
+
+use super::claim::{Claim, Worst};
+use crate::device::Device;
+use crate::error::Error;
+use crate::ir::Overflow;
+use crate::reference::place;
+
+/// What holds for the echo times of one combination of conditions.
+pub(super) struct Row {
+    row: usize,
+    /// End of the bounded domain \[unit\].
+    pub(super) far: f64,
+    pub(super) bounded: Worst,
+    pub(super) overall: Worst,
+    pub(super) within: u64,
+}
+
+/// Echo times \[s\] of all echo codes.
+pub(super) struct Times(Vec<f64>);
+
+impl Times {
+    pub(super) fn of(device: &Device) -> Self {
+        let codes = device.echo.codes;
+        let codes = codes.minimum..=codes.maximum;
+        Self(codes.map(|code| device.echo.value(code)).collect())
+    }
+
+    pub(super) fn len(&self) -> usize {
+        self.0.len()
+    }
+
+    /// Fill `truth` with what the model gives \[unit\] from the echo code `from` on.
+    pub(super) fn truths(
+        &self,
+        claim: Claim<'_>,
+        conditions: &[f64],
+        from: i64,
+        truth: &mut [f64],
+    ) {
+        let first = (from - claim.device.echo.codes.minimum) as usize;
+        let times = &self.0[first..first + truth.len()];
+        claim.reference.distances(conditions, times, truth);
+        let scale = |truth: &mut f64| *truth *= claim.device.output.per_meter;
+        truth.iter_mut().for_each(scale);
+    }
+
+    /// Echo time \[s\] at a code.
+    pub(super) fn at(&self, device: &Device, echo: i64) -> f64 {
+        self.0[(echo - device.echo.codes.minimum) as usize]
+    }
+}
+
+/// |output - truth| \[unit\].
+fn error(output: i32, truth: f64) -> f64 {
+    (f64::from(output) - truth).abs()
+}
+
+impl Row {
+    pub(super) fn new(row: usize, claim: Claim<'_>) -> Self {
+        let (bounded, overall) = (Worst::NONE, Worst::NONE);
+        Self {
+            row,
+            far: claim.maximum_distance * claim.device.output.per_meter,
+            bounded,
+            overall,
+            within: 0,
+        }
+    }
+
+    /// Take in the errors of one block of outputs and truths \[unit\] that starts at the echo code `first`; `false` if a
+    /// truth is not finite.
+    pub(super) fn take(&mut self, outputs: &[i32], truth: &[f64], first: i64) -> bool {
+        let (mut overall, mut bounded, mut finite) = (-1.0_f64, -1.0_f64, 0.0);
+        for (output, truth) in outputs.iter().zip(truth) {
+            let error = error(*output, *truth);
+            let inside = *truth <= self.far;
+            finite += truth * 0.0;
+            overall = overall.max(error);
+            bounded = bounded.max(if inside { error } else { -1.0 });
+        }
+        let find = |largest: f64, limit: f64| {
+            let mut pairs = outputs.iter().zip(truth);
+            let found = pairs.position(|(o, t)| *t <= limit && error(*o, *t) >= largest);
+            let echo = first + found.unwrap_or(0) as i64;
+            Worst {
+                error: largest,
+                row: self.row,
+                echo,
+            }
+        };
+        if overall > self.overall.error {
+            self.overall = find(overall, f64::INFINITY);
+        }
+        if bounded > self.bounded.error {
+            self.bounded = find(bounded, self.far);
+        }
+        finite == 0.0
+    }
+}
+
+/// Where something is wrong.
+#[derive(Clone, Copy)]
+pub(super) struct Fault<'a> {
+    pub(super) device: &'a Device,
+    pub(super) row: usize,
+}
+
+impl Fault<'_> {
+    pub(super) fn at(&self, echo: i64, what: &str) -> String {
+        format!("{what} {}", place(self.device, self.row, echo))
+    }
+
+    pub(super) fn overflow(&self, overflow: &Overflow, echo: i64) -> Error {
+        Error::Proof(self.at(echo, &format!("{overflow}, near")))
+    }
+
+    pub(super) fn no_distance(&self, echo: i64) -> Error {
+        Error::Model(self.at(echo, "the model gives no distance near"))
+    }
+}
