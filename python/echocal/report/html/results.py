@@ -71,6 +71,9 @@ def verification_page(found: Verification, heading: str, made_by: str = "") -> s
         ("errors examined", str(found.count)),
         ("errors beyond it", str(found.exceeding)),
     ]
+    if found.guard_band:
+        facts.append(("guard band, at most", f"{1e3 * found.guard_band:.2g} mm"))
+        facts.append(("errors too near to the bound to decide", str(found.undecided)))
     left = [f"{count} rows are not examined: {why}." for why, count in found.unusable.items()]
     left += [f"{count} rows are examined without it: {why}." for why, count in found.outside_smooth.items()]
     sections = [Section("Errors", charts=[errors_chart(found)]), Section("Rows", left), notes_of(found.notes)]
