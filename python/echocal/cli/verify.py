@@ -7,10 +7,10 @@ from typing import Annotated
 import typer
 from rich.table import Table
 
+from echocal.cli import _made_by
 from echocal.cli._console import Console
-from echocal.cli._made_by import result
 from echocal.cli._models import Uncertain
-from echocal.cli._outputs import Force, Output, check_outputs
+from echocal.cli._outputs import Force, Output, Report, check_outputs, write_report
 from echocal.cli._tables import (
     AS_IT_IS,
     Given,
@@ -49,6 +49,7 @@ def command(
     ] = "0:50:1",
     distance: Annotated[str, typer.Option(metavar="RANGE", help="For a model: distances [m].")] = "0.1:4:0.1",
     reading: Given = AS_IT_IS,
+    report: Report = None,
     json: Json = None,
     force: Force = False,
     quiet: Quiet = False,
@@ -59,7 +60,8 @@ def command(
     """
     subject = from_stdin(subject)
     check_outputs(
-        Output("--json", json, result("echocal.verification")),
+        Output("--json", json, _made_by.result("echocal.verification")),
+        Output("--report", report, _made_by.report("verify")),
         inputs=[subject, model, *reading.files],
         force=force,
     )
@@ -89,6 +91,10 @@ def command(
                 law=law,
                 uncertainties=uncertainties or (),
             )
+    if report is not None:
+        from echocal.report.html.results import verification_page
+
+        write_report(report, verification_page, found, subject.name)
     write_json(found.to_dict(), json)
     if not quiet and json != "-":
         _print(found)
