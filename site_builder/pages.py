@@ -53,6 +53,8 @@ TOPICS = {
         "calibrate",
         "Calibration",
         "Regression",
+        "budget",
+        "Budget",
         "verify",
         "verify_model",
         "Verification",

@@ -84,9 +84,8 @@ def test_the_tension_of_the_humidity_term_is_told(roof: Path) -> None:
     june = diagnose(roof, base="linear", reading_speed="331.4", **JUNE)
     (note,) = [note for note in june.notes if "humidity" in note and "theoretical size" in note]
     assert "is not claimed" in note
-    size, uncertainty = (
-        float(part) for part in note.split("fitted size is ")[1].split(". ")[0].split(" +/- ")
-    )
+    size, digits = note.split("fitted size is ")[1].split(". ")[0].removesuffix(")").split("(")
+    size, uncertainty = float(size), float(digits) * 10.0 ** -len(size.partition(".")[2])
     assert 0.0 < size < 1.0
     assert 0.05 < uncertainty < 0.5  # rows that owe each other something know less than 0.02
 

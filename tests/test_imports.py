@@ -24,7 +24,7 @@ HEAVY = {
     "sklearn",
     "xarray",
 }
-VERBS = ["calibrate", "correct", "diagnose", "sweep", "verify", "watch"]
+VERBS = ["budget", "calibrate", "correct", "diagnose", "sweep", "verify", "watch"]
 
 
 def loaded(program: str) -> set[str]:

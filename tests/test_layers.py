@@ -15,7 +15,7 @@ PACKAGE = ROOT / "python" / "echocal"
 
 LAYERS = (
     {"_core", "_interrupt", "_verb", "errors", "keywords", "shown"},
-    {"codes", "outputs", "checksums", "objects"},
+    {"codes", "concise", "outputs", "checksums", "objects"},
     {"places"},
     {"quantities"},
     {"conditions"},
@@ -23,12 +23,13 @@ LAYERS = (
     {"model"},
     {"observations", "waveforms"},
     {"sweep", "calibrate", "engines"},
+    {"budget"},
     {"virtual_bench", "correct"},
-    {"diagnose", "silicon", "echoes", "verify"},
-    {"panels"},
+    {"diagnose", "silicon", "echoes", "verify", "generated", "device_uncertainty"},
+    {"charts"},
     {"plots", "report", "firmware"},
     {"study", "explore", "emulation", "fleet", "watch", "accessor", "estimator"},
-    {"pages", "_accessors"},
+    {"pages", "_accessors", "serve"},
     {"cli"},
 )
 ROOMS_OF_DIAGNOSE = [
@@ -47,6 +48,7 @@ ROOMS_OF_DIAGNOSE = [
     "validation",
     "experiment_design",
     "verdict",
+    "matters",
     "results",
     "request",
     "pipeline",

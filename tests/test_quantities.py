@@ -12,6 +12,7 @@ import quantities_page
 
 import echocal
 from echocal import firmware
+from echocal.concise import decimal
 from echocal.diagnose.findings.sentences import quantity_text, shown, spoken
 from echocal.observations.units import FORMS
 from echocal.plots.sweep import sweep_figure
@@ -124,7 +125,7 @@ def test_sentences_and_axes_say_its_words_and_unit(facts: QuantityFacts) -> None
     assert spoken(facts.id) == facts.words
     assert label == f"{facts.words} [{facts.shown.unit}]".removesuffix(" []")
     assert values[0] == facts.example * facts.shown.factor
-    assert quantity_text(facts.id, facts.example) == f"{values[0]:.3g} {facts.shown.unit}".rstrip()
+    assert quantity_text(facts.id, facts.example) == f"{decimal(values[0])} {facts.shown.unit}".rstrip()
 
 
 @EVERY

@@ -20,7 +20,7 @@ from echocal.observations.options import ReadOptions
 
 PACKAGE = Path(echocal.__file__).parent
 ALL: dict[str, Any] = {
-    "columns": {"R": "reading_m"},
+    "columns": {"R": "level_m below 2.6 m"},
     "reading_speed": "343",
     "missing": {"R": ["-1"]},
     "trust": ("R",),
@@ -31,7 +31,11 @@ ALL: dict[str, Any] = {
     "time_format": "%d.%m.%Y %H:%M",
     "at": {"temperature": "20+-2"},
     "sheet": "log",
+    "mount_height": 2.6,
+    "reference": "gauge.csv",
+    "reference_join": "nearest",
 }
+WITHOUT = {"correct": {"sheet"}, "watch": {"sheet", "reference", "reference_join"}}
 
 
 @pytest.mark.parametrize("name", ["diagnose", "verify", "calibrate", "correct", "watch", "inspect"])
@@ -40,7 +44,7 @@ def test_a_command_has_a_flag_for_each_option(name: str) -> None:
     with command.make_context("echocal", [], resilient_parsing=True) as context:
         flags = {flag.name: flag for flag in command.get_command(context, name).params}
     for option in READ_OPTIONS:
-        if option == "sheet" and name in {"correct", "watch"}:
+        if option in WITHOUT.get(name, set()):
             continue
         usual = getattr(ReadOptions, option)
         given = flags[option].default
@@ -86,7 +90,8 @@ def test_every_verb_takes_all_options(tmp_path: Path) -> None:
         "logger\n\nZeit;R\n1.2.2026 08:30;1,5\n1.2.2026 08:40;-1\n1.2.2026 08:50;1,6\n", encoding="latin-1"
     )
     how = {**ALL, "columns": {"R": "reading_m", "Zeit": "time"}}
-    del how["sheet"]
+    for own in ("sheet", "mount_height", "reference", "reference_join"):
+        del how[own]
     model = echocal.Model("343", {"zero_error": {"offset": 0.1}})
     with pytest.warns(echocal.DataWarning, match="1 of 3 rows cannot be used: 1 R missing"):
         read = echocal.read_observations(log, **how)

@@ -199,6 +199,58 @@ fn holding(first: f64, last: f64) -> IntegerType {
     }
 }
 
+/// Without an echo an SRF04 ends its pulse after "about 36 ms" (documentation of its maker), an HC-SR04 after 38 ms (data
+/// sheet). A pulse longer than this \[us\], 2.8 % less as `echocal.echoes` has it, and than the accepted ones, is no echo.
+const TIME_OUT: f64 = 35_000.0;
+
+/// What `status` returns: whether the codes are accepted, or why not. A text in words for each.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Status {
+    /// The function gives a distance.
+    Ok,
+    /// An echo code of 0, or a time-out.
+    NoEcho,
+    /// The echo code is below the accepted ones.
+    TooNear,
+    /// The echo code is above the accepted ones.
+    TooFar,
+    /// The temperature code is not accepted.
+    TemperatureOutOfRange,
+    /// The humidity code is not accepted.
+    HumidityOutOfRange,
+}
+
+impl Status {
+    /// Every status, in the order of its number.
+    pub const ALL: [Self; 6] = [
+        Self::Ok,
+        Self::NoEcho,
+        Self::TooNear,
+        Self::TooFar,
+        Self::TemperatureOutOfRange,
+        Self::HumidityOutOfRange,
+    ];
+
+    /// Its name in words.
+    #[must_use]
+    pub const fn words(self) -> &'static str {
+        match self {
+            Self::Ok => "ok",
+            Self::NoEcho => "no echo",
+            Self::TooNear => "too near",
+            Self::TooFar => "too far",
+            Self::TemperatureOutOfRange => "temperature out of range",
+            Self::HumidityOutOfRange => "humidity out of range",
+        }
+    }
+
+    /// Its name as an identifier of C and of Python.
+    #[must_use]
+    pub fn identifier(self) -> String {
+        self.words().to_uppercase().replace(' ', "_")
+    }
+}
+
 /// The inputs of the generated function: the echo time first, then the conditions.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Device {
@@ -214,6 +266,32 @@ impl Device {
     /// All inputs, the echo time first.
     pub fn axes(&self) -> impl Iterator<Item = &Axis> {
         std::iter::once(&self.echo).chain(&self.conditions)
+    }
+
+    /// The first echo code that is a time-out, if there is one.
+    #[must_use]
+    pub fn time_out(&self) -> Option<i64> {
+        let longest = (TIME_OUT * 1e-6 / self.echo.lsb + SLACK).floor() as i64;
+        let code = longest.max(self.echo.codes.maximum) + 1;
+        self.echo.ty.range().contains(code).then_some(code)
+    }
+
+    /// Whether the codes are accepted, or the first reason why not, in the order of the arguments.
+    #[must_use]
+    pub fn status(&self, inputs: &[i64]) -> Status {
+        let refused = |(axis, code): &(&Axis, &i64)| !axis.codes.contains(**code);
+        let Some((axis, code)) = self.axes().zip(inputs).find(refused) else {
+            return Status::Ok;
+        };
+        match axis.quantity.as_str() {
+            "temperature" => Status::TemperatureOutOfRange,
+            "relative_humidity" => Status::HumidityOutOfRange,
+            _ if *code <= 0 || self.time_out().is_some_and(|first| *code >= first) => {
+                Status::NoEcho
+            }
+            _ if *code < axis.codes.minimum => Status::TooNear,
+            _ => Status::TooFar,
+        }
     }
 
     /// How many combinations of condition codes there are.

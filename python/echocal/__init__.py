@@ -10,6 +10,7 @@ from echocal._core import __version__, absorption, distance, error, speed_of_sou
 
 if TYPE_CHECKING:
     from echocal import firmware
+    from echocal.budget import Budget, budget
     from echocal.calibrate import Calibration, Regression, calibrate
     from echocal.correct import Corrected, correct, correct_files
     from echocal.diagnose import Diagnosis, diagnose, diagnose_many, gross_faults, row_faults
@@ -39,6 +40,7 @@ if TYPE_CHECKING:
 __all__ = [
     "DOMAIN_VIOLATIONS",
     "BoundError",
+    "Budget",
     "Calibration",
     "Corrected",
     "DataError",
@@ -57,6 +59,7 @@ __all__ = [
     "Verification",
     "__version__",
     "absorption",
+    "budget",
     "calibrate",
     "correct",
     "correct_files",
@@ -87,6 +90,7 @@ if find_spec("sklearn") is not None:  # else nothing that lists the names could 
     __all__ += ["EchoCorrector"]
 
 _HOMES = {
+    "budget": ("Budget",),
     "calibrate": ("Calibration", "Regression"),
     "correct": ("Corrected", "correct_files"),
     "diagnose": ("Diagnosis", "diagnose_many", "gross_faults", "noises", "row_faults"),
@@ -112,7 +116,7 @@ _HOMES = {
 }
 """Module of each name that is imported when it is asked for: pandas and SciPy take a second."""
 
-_MODULES = {"calibrate", "correct", "diagnose", "firmware", "sweep", "verify", "watch"}
+_MODULES = {"budget", "calibrate", "correct", "diagnose", "firmware", "sweep", "verify", "watch"}
 """Modules that are public; all but ``firmware`` are called, see `echocal._verb`."""
 
 _HOME = {name: home for home, names in _HOMES.items() for name in names}

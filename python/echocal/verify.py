@@ -11,6 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from echocal._verb import callable_as
+from echocal.budget.conformity import assessed, budget_of_errors
+from echocal.budget.entries import Itemized
+from echocal.budget.stated import Uncertainties
 from echocal.errors import DataError, DataWarning, UsageError
 from echocal.model import Model
 from echocal.observations import Observations
@@ -30,12 +33,13 @@ _LARGE = 1.0  # m: no requirement on a sensor in air
 
 @dataclass(frozen=True, repr=False)
 class Verification(Shown):
-    """Outcome of a verification (VIM 2.44) by simple acceptance, no guard band.
+    """Outcome of a verification (VIM 2.44): simple acceptance, or with a guard band.
 
     Attributes
     ----------
     passed : bool
-        Whether no error exceeds the maximum permissible error.
+        Whether no error exceeds the maximum permissible error; with uncertainties, whether all errors are
+        within it less their expanded uncertainty (guarded acceptance, JCGM 106:2012, 8.3.2).
     maximum_permissible_error : float
         The bound (VIM 4.26) [m].
     maximum_error : float
@@ -54,6 +58,12 @@ class Verification(Shown):
         Rows that could not be examined, by reason code.
     outside_smooth : dict of str to int
         Rows outside of the range of the model's smooth correction, which were examined without it.
+    guard_band : float
+        The largest expanded uncertainty of an error, k = 2 [m]; 0 where no uncertainty is stated.
+    undecided : int
+        Errors so near to the bound that the measurement does not decide.
+    least_probability : float or None
+        The smallest probability of conformity of an error; None where no uncertainty is stated.
     notes : tuple of str
         What a person should know: conditions that were stated, not recorded, and what their uncertainty does.
 
@@ -75,6 +85,9 @@ class Verification(Shown):
     worst: dict[str, float]
     unusable: dict[str, int]
     outside_smooth: dict[str, int] = field(default_factory=dict)
+    guard_band: float = 0.0
+    undecided: int = 0
+    least_probability: float | None = None
     notes: tuple[str, ...] = ()
 
     def to_dict(self) -> dict[str, Any]:
@@ -88,6 +101,7 @@ def verify(
     maximum_permissible_error: float,
     model: Model | None = None,
     law: str = "linear",
+    uncertainties: Any = (),
     **table: Any,
 ) -> Verification:
     """Compare indications with reference distances, row by row.
@@ -104,6 +118,10 @@ def verify(
     law : str
         Law that turns echo times into indications where the table has no readings, and no model
         is given.
+    uncertainties : sequence of str, or mapping of str to float or str
+        As in `echocal.budget`: ``{"tape": "II", "thermometer": "DHT22"}``. They make the budget of the
+        errors, and its expanded uncertainty is the guard band. The device and the model are what is
+        examined: their own uncertainties are not part of it.
     **table
         Arguments of `echocal.read_observations`: ``columns``, ``missing``, ... The default of
         ``reading_speed`` is the law of the model, if one is given.
@@ -141,10 +159,30 @@ def verify(
         lambda position: {"row": int(usable[position]) + 1},
         observations.unusable_counts,
     )
+    stated = Uncertainties.of(uncertainties)
+    if stated:
+        stated = replace(stated, stated={**uncertain(observations), **stated.stated})
+        found = _guarded(
+            found, errors, usable, budget_of_errors(observations, model, indication, stated, law)
+        )
     marks = [] if model is None else outside_smooth(observations, model)[usable].tolist()
     outside = dict(Counter(mark for mark in marks if mark))
     notes = [*sentences(observations.stated), *_beside(observations, found, model, law)]
     return replace(found, outside_smooth=outside, notes=tuple(notes))
+
+
+def _guarded(
+    found: Verification, errors: NDArray[np.float64], usable: NDArray[np.int64], budget: Itemized
+) -> Verification:
+    """Decide with a guard band."""
+    judged = assessed(errors, budget.rows(usable), found.maximum_permissible_error)
+    return replace(
+        found,
+        passed=bool((judged.decision == 0).all()),
+        guard_band=float(judged.expanded_uncertainty.max()),
+        undecided=int((judged.decision == 1).sum()),
+        least_probability=float(judged.probability.min()),
+    )
 
 
 def _beside(observations: Observations, found: Verification, model: Model | None, law: str) -> Iterator[str]:

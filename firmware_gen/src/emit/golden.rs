@@ -9,13 +9,21 @@ use std::fmt::Write;
 /// Steps of an even grid over each axis. Set by hand: 16^3 vectors at most, a file of some 100 kB.
 const SPREAD: i64 = 15;
 
-/// Golden vectors as CSV: a column for each input, then the distance in the unit of the output. The vectors are a grid
+/// Golden vectors as CSV: a column for each input, the distance in the unit of the output, the status. The vectors are a grid
 /// over the accepted codes, the codes next to the range outside, and the two inputs with the largest errors.
 pub fn golden(design: &Design, device: &Device) -> String {
     let axes: Vec<_> = device.axes().collect();
     let mut inputs: BTreeSet<Vec<i64>> = BTreeSet::from([Vec::new()]);
     for axis in &axes {
-        let codes = spread(axis.codes, axis.ty.range());
+        let mut codes = spread(axis.codes, axis.ty.range());
+        if axis.quantity == device.echo.quantity {
+            codes.extend(
+                device
+                    .time_out()
+                    .into_iter()
+                    .flat_map(|first| [first - 1, first]),
+            );
+        }
         let extended = inputs.iter().flat_map(|input| {
             codes
                 .iter()
@@ -27,13 +35,17 @@ pub fn golden(design: &Design, device: &Device) -> String {
         inputs.insert([&[worst.echo][..], &device.codes(worst.row)].concat());
     }
     let names: Vec<&str> = axes.iter().map(|axis| axis.name.as_str()).collect();
-    let mut text = format!("{},distance_{}\n", names.join(","), device.output.unit);
+    let mut text = format!(
+        "{},distance_{},status\n",
+        names.join(","),
+        device.output.unit
+    );
     for input in inputs {
         let output = design.output(device, &input);
         for code in &input {
             let _ = write!(text, "{code},");
         }
-        let _ = writeln!(text, "{output}");
+        let _ = writeln!(text, "{output},{}", device.status(&input) as u8);
     }
     text
 }

@@ -3,13 +3,18 @@
 mod c;
 mod golden;
 mod package;
+mod parts;
 mod python;
+mod reach;
 mod report;
+mod rust;
 mod selftest;
+mod status;
+mod templates;
 mod text;
 
 pub use package::{PACKAGES, Package};
-pub use report::{Measurement, Provenance};
+pub use report::{Measurement, Provenance, Uncertainty};
 
 use crate::design::Design;
 use crate::device::{Axis, Device};
@@ -19,7 +24,7 @@ use crate::prove::Worst;
 use crate::reference::place;
 use minijinja::context;
 use serde::Serialize;
-use text::table_text;
+use text::{named, renamed, table_text};
 
 pub use text::Local;
 
@@ -103,25 +108,46 @@ pub fn emit(
     device: &Device,
     provenance: &Provenance,
     measured: &[Measurement],
+    uncertainty: &Uncertainty,
 ) -> Result<Vec<(String, String)>, Error> {
+    let reach = reach::reach(design, device);
     let package = Package::parse(&provenance.package)?;
     let (vectors, count) = selftest::columns(design, device);
+    let outputs = format!("{:08x}", design.proof.hash);
     let context = context! {
+        library => library(provenance),
+        library_version => format!("{}+{outputs}", provenance.version),
         provenance,
         measured,
-        function => function_text(design, device),
+        function => function_text(design, device, &provenance.name),
+        name => provenance.name,
+        statuses => status::statuses(device),
+        time_out => device.time_out(),
+        reach,
+        bounded_to => provenance.maximum_distance.min((reach.sometimes.1 * 1e3).ceil() / 1e3),
+        uncertainty => uncertainty_text(uncertainty, device),
         echo_timeout_us => echo_timeout(&device.echo),
-        python => python_text(design),
+        python => python_text(design, &provenance.name),
+        rust => rust_text(design, device, &provenance.name),
         proof => proof_text(design, device, provenance.maximum_error),
         selftest => context! { columns => vectors, count },
     };
-    let mut files = package.render(&context)?;
-    files.push(("echocal_golden.csv".into(), golden::golden(design, device)));
+    let mut files = package.render(&context, &provenance.name)?;
+    let golden = format!("{}_golden.csv", provenance.name);
+    files.push((golden, golden::golden(design, device)));
     files.push((
         "report.json".into(),
-        report::report(design, device, provenance, measured),
+        report::report(design, device, provenance, (measured, uncertainty), reach),
     ));
     Ok(files)
+}
+
+/// Name of a library: of one model, unless it was given.
+fn library(provenance: &Provenance) -> String {
+    match provenance.name.as_str() {
+        "echocal" => format!("Echocal_{:.8}", provenance.model_hash),
+        given => given.to_owned(),
+    }
 }
 
 /// Longest time \[us\] from a trigger pulse to the end of an echo that the function accepts, however the timer rounds.
@@ -130,32 +156,47 @@ fn echo_timeout(echo: &Axis) -> f64 {
 }
 
 /// The function in Python.
-fn python_text(design: &Design) -> minijinja::Value {
-    let (locals, result) = python::statements(&design.program);
-    context! { locals, result }
+fn python_text(design: &Design, name: &str) -> minijinja::Value {
+    let (locals, result, heap) = python::statements(&design.program);
+    let (locals, result) = renamed((locals, result), name);
+    context! { locals, result, heap, tables => python::tables(&design.program, name) }
+}
+
+/// The function in Rust.
+fn rust_text(design: &Design, device: &Device, name: &str) -> minijinja::Value {
+    let (locals, result) = renamed(rust::statements(&design.program), name);
+    let types = device.axes().map(|axis| rust::name(axis.ty));
+    context! {
+        locals, result,
+        types => types.collect::<Vec<_>>(),
+        tables => rust::tables(&design.program, name),
+    }
 }
 
 /// The function: parameters, range checks, tables, statements.
-fn function_text(design: &Design, device: &Device) -> minijinja::Value {
-    let (locals, result) = c::statements(&design.program);
+fn function_text(design: &Design, device: &Device, name: &str) -> minijinja::Value {
+    let (locals, result) = renamed(c::statements(&design.program), name);
     let read = |axis: &&Axis| design.program.reads(&axis.name) || !outside(axis).is_empty();
     let unused = device
         .axes()
         .filter(|axis| !read(axis))
         .map(|axis| axis.name.as_str());
-    let middle = format!("{}(", c::MIDDLE);
+    let middle = named(&format!("{}(", c::MIDDLE), name);
+    let tables = design.program.tables.iter();
+    let unchecked = device.axes().filter(|axis| outside(axis).is_empty());
     context! {
+        unchecked => unchecked.map(|axis| axis.name.as_str()).collect::<Vec<_>>(),
         middle => locals.iter().any(|local| local.expression.contains(&middle)),
         parameters => device.axes().map(parameter).collect::<Vec<_>>(),
         outside => device.axes().flat_map(outside).collect::<Vec<_>>(),
         wraps => device.axes().any(wraps),
         unused => unused.collect::<Vec<_>>(),
         locals, result,
-        tables => design.program.tables.iter().map(table_text).collect::<Vec<_>>(),
+        tables => tables.map(|table| table_text(table, name)).collect::<Vec<_>>(),
         table_bytes => design.program.table_bytes(),
         program_memory => design.program.tables.iter().any(|table| table.program_memory),
         form => design.form.describe(),
-        name => format!("echocal_distance_{}", device.output.unit),
+        name => format!("{name}_distance_{}", device.output.unit),
         unit => device.output.unit,
         unit_lsb => device.output.lsb,
     }
@@ -173,7 +214,21 @@ fn proof_text(design: &Design, device: &Device, asked: f64) -> minijinja::Value 
         overall_worst => input(proof.overall),
         inputs => grouped(proof.inputs),
         bounded_inputs => grouped(proof.bounded_inputs),
-        hash => format!("{:08x}", proof.hash),
+        hash => format!("{:016x}", proof.hash),
+    }
+}
+
+/// The expanded uncertainty, and the integers of the function that gives it to the device: [um] at 0, and [um] per 2^8
+/// steps of the shifted output, both rounded up.
+fn uncertainty_text(uncertainty: &Uncertainty, device: &Device) -> minijinja::Value {
+    let shift = if device.output.is_coarse() { 0 } else { 8 };
+    let step = device.output.lsb * 1e6 * f64::from(1 << shift); // um
+    context! {
+        includes => uncertainty.includes,
+        expanded => uncertainty.expanded,
+        shift,
+        offset => (uncertainty.offset * 1e6).ceil() as u64,
+        slope => (uncertainty.slope * step * 256.0).ceil() as u64,
     }
 }
 

@@ -46,6 +46,8 @@ pub fn columns<'a>(design: &Design, device: &'a Device) -> (Vec<Column<'a>>, usi
         .iter()
         .map(|vector| i64::from(design.output(device, vector)));
     columns.push(column("distance", IntegerType::I32, outputs.collect()));
+    let statuses = vectors.iter().map(|vector| device.status(vector) as i64);
+    columns.push(column("status", IntegerType::U8, statuses.collect()));
     (columns, vectors.len())
 }
 
@@ -64,7 +66,8 @@ fn vectors(design: &Design, device: &Device) -> BTreeSet<Vec<i64>> {
     }
     let middle: Vec<i64> = axes.iter().map(|axis| middle(axis.codes)).collect();
     for (index, axis) in axes.iter().enumerate() {
-        for code in beside(axis) {
+        let time_out = device.time_out().filter(|_| index == 0);
+        for code in beside(axis).chain(time_out) {
             let mut vector = middle.clone();
             vector[index] = code;
             grid.insert(vector);

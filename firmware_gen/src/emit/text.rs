@@ -21,7 +21,7 @@ pub struct Local {
 #[derive(Serialize)]
 pub(super) struct TableText<'a> {
     ty: &'static str,
-    name: &'a str,
+    name: String,
     note: &'a str,
     rows: Vec<String>,
     entries: &'a [i64],
@@ -31,10 +31,10 @@ pub(super) struct TableText<'a> {
 /// Entries in one line of a table. Set by hand: 12 entries of 16 bits take 90 characters.
 const PER_LINE: usize = 12;
 
-pub(super) fn table_text(table: &Table) -> TableText<'_> {
+pub(super) fn table_text<'a>(table: &'a Table, name: &str) -> TableText<'a> {
     TableText {
         ty: table.ty.c_name(),
-        name: &table.name,
+        name: named(&table.name, name),
         note: &table.note,
         rows: literal_list(&table.entries, table.ty),
         entries: &table.entries,
@@ -56,4 +56,28 @@ pub(super) fn literal_list(entries: &[i64], ty: IntegerType) -> Vec<String> {
     };
     let line = |entries: &[i64]| entries.iter().map(literal).collect::<Vec<_>>().join(", ");
     entries.chunks(PER_LINE).map(line).collect()
+}
+
+/// Statements, whose identifiers begin with `name`.
+pub(super) fn renamed(
+    (mut locals, result): (Vec<Local>, String),
+    name: &str,
+) -> (Vec<Local>, String) {
+    for local in &mut locals {
+        local.expression = named(&local.expression, name);
+    }
+    (locals, named(&result, name))
+}
+
+/// A text of this crate, whose identifiers begin with `name` where they began with `echocal`.
+pub(super) fn named(text: &str, name: &str) -> String {
+    let title: String = name.split('_').map(capitalized).collect();
+    text.replace("echocal_", &format!("{name}_"))
+        .replace("ECHOCAL_", &format!("{}_", name.to_uppercase()))
+        .replace("EchocalCorrection", &format!("{title}Correction"))
+}
+
+fn capitalized(word: &str) -> String {
+    let (first, rest) = word.split_at(1.min(word.len()));
+    first.to_uppercase() + rest
 }

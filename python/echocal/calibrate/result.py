@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from echocal.calibrate.form import Column, Form, Parameter
+from echocal.concise import concise
 from echocal.conditions import numbers
 from echocal.errors import DataError, UsageError
 from echocal.model import Model
@@ -26,7 +27,7 @@ class Estimate:
     unit: str
 
     def __str__(self) -> str:
-        return f"{self.name} = {self.value:.6g} ± {self.standard_uncertainty:.2g} {self.unit}"
+        return f"{self.name} = {concise(self.value, self.standard_uncertainty, self.unit)}"
 
 
 @dataclass(frozen=True)
@@ -87,7 +88,7 @@ class Calibration(Shown):
     >>> data = Observations(echo, {"temperature": np.array([0.0, 5.0, 10.0, 15.0])}, None, np.full(4, ""))
     >>> found = calibrate(data, Regression.polynomial("temperature", 1, law="343"))
     >>> print(found["temperature"])
-    temperature = -0.004802 ± 0.00049 m/degC
+    temperature = -0.0048(5) m/degC
     >>> round(found.r_squared, 3), found.degrees_of_freedom
     (0.98, 2)
     """

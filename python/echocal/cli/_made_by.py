@@ -19,17 +19,20 @@ Recognize = Callable[[Path], bool]
 """Tells of an existing file whether it is a former output of the same kind."""
 
 _CORRECTED = {"corrected_distance_m", "unusable"}
+_CORRECTED_LEVEL = {"corrected_level_m", "unusable"}
 _SWEPT = {"speed_of_sound_m_s", "echo_s", "reading_m", "error_m"}
 _FATES = {"row", "fate", "error_before_mm", "error_after_mm"}
 _VERDICTS = {"sensor", "verdict", "fleet_verdict", "fleet_class_probability"}
 _EMULATED = {"true_air_degC"}
 _TIMED = {"capture", "echo_us", "standard_uncertainty_us", "cycle_ambiguity", "status"}
+_BUDGET = {"row", "source", "sensitivity", "expanded_uncertainty_m"}
 _COLUMNS = {
-    "correct": _CORRECTED,
-    "sweep": _SWEPT,
-    "diagnose": _FATES,
-    "emulate": _EMULATED,
-    "echo-times": _TIMED,
+    "budget": (_BUDGET,),
+    "correct": (_CORRECTED, _CORRECTED_LEVEL),
+    "sweep": (_SWEPT,),
+    "diagnose": (_FATES,),
+    "emulate": (_EMULATED,),
+    "echo-times": (_TIMED,),
 }
 """Columns by which the tables of a command are known."""
 
@@ -110,7 +113,7 @@ def verdicts() -> Recognize:
 
 def table(command: str) -> Recognize:
     """A table with the columns that the command appends or makes."""
-    return _tried(lambda file: _COLUMNS[command] <= _columns(file))
+    return _tried(lambda file: any(own <= _columns(file) for own in _COLUMNS[command]))
 
 
 def picture(command: str) -> Recognize:

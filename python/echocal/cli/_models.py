@@ -9,12 +9,22 @@ import typer
 from echocal.errors import UsageError
 from echocal.model import Model
 
-__all__ = ["Effects", "model_of"]
+__all__ = ["Effects", "Uncertain", "model_of"]
 
 Effects: TypeAlias = Annotated[
     list[str] | None,
     typer.Option(
         "--effect", metavar="ID:NAME=VALUE,...", help='Effect on the law: "fixed_speed:weight=1,speed=343".'
+    ),
+]
+
+Uncertain: TypeAlias = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--uncertainty",
+        metavar="NAME=U",
+        help="What is known of an input: temperature_C=0.5, echo_us=2, thermometer=DHT22, "
+        "hygrometer=SHT31, barometer=BME280, tape=II, timer_us=4, resolution_mm=10, law_ppm=300.",
     ),
 ]
 

@@ -1,9 +1,11 @@
 """Options of a command from a TOML file: ``--options log.toml``. What is given as a flag wins."""
 
 import atexit
+import json
 import sys
 import tempfile
 import tomllib
+from collections.abc import Mapping
 from contextvars import ContextVar
 from pathlib import Path
 from typing import Annotated, Any, TypeAlias
@@ -12,12 +14,15 @@ import typer
 
 from echocal.errors import UsageError
 
-__all__ = ["KNOWN", "Options", "added", "file_in_use", "from_stdin"]
+__all__ = ["KNOWN", "Options", "added", "file_in_use", "from_stdin", "options_text", "toml_value"]
+__all__ += ["written_by_us"]
+
+_FIRST = "# how to read"
 
 KNOWN = {
     "column", "missing", "trust", "at", "reading-speed", "time-zone", "time-format", "skip-lines", "decimal",
     "encoding", "sheet", "reference-distance", "constant-distance", "by", "since", "until", "base", "law",
-    "same-target",
+    "same-target", "mount-height", "reference", "reference-join", "placements", "matters-mm",
 }  # fmt: skip
 """Options that such a file may have; a command takes those that it has."""
 
@@ -77,6 +82,29 @@ def from_stdin(data: Path) -> Path:
     path = Path(held.name)
     atexit.register(path.unlink, missing_ok=True)
     return path
+
+
+def options_text(log: Path, out: Path, given: Mapping[str, Any]) -> str:
+    """A file of options, from arguments of `echocal.diagnose` and `echocal.read_observations`."""
+    names = {"columns": "column"}
+    plain = {names.get(name, name).replace("_", "-"): value for name, value in given.items()}
+    tables = {name: own for name, own in plain.items() if isinstance(own, Mapping)}
+    lines = [f"{_FIRST} {log}, written by echocal; edit it, then: echocal diagnose {log} --options {out}"]
+    lines += [f"{name} = {toml_value(own)}" for name, own in plain.items() if name not in tables]
+    for name, own in tables.items():
+        lines += ["", f"[{name}]", *(f"{toml_value(key)} = {toml_value(one)}" for key, one in own.items())]
+    return "\n".join(lines) + "\n"
+
+
+def toml_value(value: object) -> str:
+    """A text, a number, a list of these, as TOML writes it."""
+    return json.dumps(value, ensure_ascii=False)
+
+
+def written_by_us(file: Path) -> bool:
+    """Whether a command wrote this file of options, or this table for one."""
+    with file.open(encoding="utf-8", errors="replace") as stream:
+        return stream.readline().startswith(_FIRST)
 
 
 def _read(path: Path) -> dict[str, Any]:

@@ -1,20 +1,27 @@
 """Check that all outputs of a command can be written, before the command starts its work."""
 
 import os
+import shlex
 import sys
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Annotated, TypeAlias
+from typing import Annotated, Any, TypeAlias
 
 import typer
 
+from echocal.cli._console import Console
 from echocal.cli._made_by import Recognize
 from echocal.cli._options import file_in_use
 from echocal.errors import UsageError, writing
 from echocal.outputs import refuse_name, replace_text
 
-__all__ = ["Force", "Output", "PlotFormat", "check_outputs", "made_in", "pass_on", "refuse_picture"]
+__all__ = ["Force", "Output", "PlotFormat", "Quiet", "Report", "be_quiet", "check_outputs", "made_in"]
+__all__ += ["pass_on", "refuse_picture", "telling_what_is_written", "write_report", "written"]
+
+_FEW = 3  # files of a folder that are listed by name
 
 Force: TypeAlias = Annotated[
     bool, typer.Option("--force", help="Replace existing files that this command did not make.")
@@ -22,6 +29,47 @@ Force: TypeAlias = Annotated[
 
 PlotFormat: TypeAlias = Annotated[
     str, typer.Option(metavar="png|svg|pdf", help="Format of the plots of --plots.")
+]
+
+Report: TypeAlias = Annotated[
+    Path | None,
+    typer.Option(
+        "--report", metavar="OUT.html", help="Write one page to read in a browser, to print or to send."
+    ),
+]
+
+
+@dataclass
+class _Run:
+    """What is known of the outputs of the command that runs.
+
+    Attributes
+    ----------
+    before : dict of Path to object
+        Each file that it may write, with what tells the file from a later one; None if it was absent.
+    folders : list of Path
+        Folders that it makes.
+    quiet, stdout_taken : bool
+        Whether it says nothing, and whether stdout is a result of its own.
+    """
+
+    before: dict[Path, object] = field(default_factory=dict)
+    folders: list[Path] = field(default_factory=list)
+    quiet: bool = False
+    stdout_taken: bool = False
+
+
+_run = _Run()
+
+
+def be_quiet(quiet: bool) -> bool:
+    """Callback of an option after which the command does not say what it wrote."""
+    _run.quiet = quiet
+    return quiet
+
+
+Quiet: TypeAlias = Annotated[
+    bool, typer.Option("--quiet", "-q", callback=be_quiet, help="Print nothing but errors.")
 ]
 
 
@@ -49,6 +97,7 @@ def check_outputs(
     inputs: Iterable[Path | str | None] = (),
     folder: Path | None = None,
     force: bool = False,
+    told: bool = False,
 ) -> None:
     """Refuse outputs that cannot be written, or that would destroy a file of the user's.
 
@@ -62,6 +111,8 @@ def check_outputs(
         A folder that the command makes if absent.
     force : bool
         Whether files that the command did not make may be replaced; an input never.
+    told : bool
+        Whether the command itself says what it writes.
 
     Raises
     ------
@@ -87,6 +138,49 @@ def check_outputs(
         for output, file in files:
             if file.is_file() and file.stat().st_size > 0 and not output.recognize(file):
                 _refuse_replacing(output.option, file)
+    _run.stdout_taken |= any(str(output.path) == "-" for output in outputs)
+    if not told:
+        _run.before |= {file: _state(file) for _, file in files}
+        _run.folders += [] if folder is None else [folder]
+
+
+def written() -> list[str]:
+    """What the command has written since it checked its outputs, for a person; each file is told once."""
+    files = [file for file, before in _run.before.items() if _state(file) != before]
+    for file in files:
+        del _run.before[file]
+    places = {file: next((f for f in _run.folders if f in file.parents), file) for file in files}
+    count = Counter(places.values())
+    many = {place: f"{place} ({n} files)" for place, n in count.items() if n > _FEW}
+    return list(dict.fromkeys(many.get(places[file], str(file)) for file in files))
+
+
+@contextmanager
+def telling_what_is_written() -> Iterator[None]:
+    """Say what the command has written, where it has not said it itself."""
+    global _run
+    _run = _Run()
+    try:
+        yield
+    except typer.Exit:
+        _tell()
+        raise
+    _tell()
+
+
+def _tell() -> None:
+    if (files := written()) and not _run.quiet:
+        Console(stderr=_run.stdout_taken, soft_wrap=True, highlight=False).print(
+            f"wrote {', '.join(files)}", markup=False
+        )
+
+
+def _state(file: Path) -> object:
+    try:
+        known = file.stat()
+    except OSError:
+        return None
+    return known.st_mtime_ns, known.st_size, known.st_ino
 
 
 def made_in(folder: Path | None, option: str, names: Iterable[str], recognize: Recognize) -> list[Output]:
@@ -176,3 +270,8 @@ def _nearest(folder: Path) -> Path:
 def _refuse(path: Path, reason: str) -> None:
     message = f"{path} cannot be written: {reason}"
     raise UsageError(message)
+
+
+def write_report(path: Path, page: Callable[[Any, str, str], str], result: Any, heading: str) -> None:
+    """Write the page of a result, with the command that runs."""
+    replace_text(path, page(result, heading, shlex.join(["echocal", *sys.argv[1:]])))

@@ -15,7 +15,7 @@ import typer
 
 from echocal.cli._console import Console
 from echocal.cli._options import Options, added, from_stdin
-from echocal.cli._outputs import pass_on
+from echocal.cli._outputs import Quiet, pass_on
 from echocal.engines.names import ENGINES
 from echocal.errors import DataWarning, DomainWarning, UsageError
 from echocal.observations import Observations, read_observations
@@ -24,7 +24,7 @@ from echocal.observations.plan import read_columns
 
 __all__ = ["AS_IT_IS", "Columns", "Engine", "Given", "Json", "Quiet", "SpreadsheetSafe", "column_requests"]
 __all__ += ["conditions", "error_codes", "from_stdin", "noted", "notes", "read", "reading_options"]
-__all__ += ["toml_files", "write_json"]
+__all__ += ["reading_words", "toml_files", "write_json"]
 
 _OURS = (DataWarning, DomainWarning)
 
@@ -76,6 +76,25 @@ TimeFormat: TypeAlias = Annotated[
     ),
 ]
 Sheet: TypeAlias = Annotated[str | None, typer.Option(metavar="NAME", help="Sheet of a spreadsheet.")]
+MountHeight: TypeAlias = Annotated[
+    float | None,
+    typer.Option(
+        metavar="M",
+        help="Height of the sensor above the zero of a level, in m, with --column NAME=level_m; else fitted.",
+    ),
+]
+ReferenceLog: TypeAlias = Annotated[
+    Path | None,
+    typer.Option(
+        "--reference",
+        metavar="FILE",
+        help="Another log with the reference distances, or levels: joined by time. A correction needs none; "
+        "it leaves out what --column says of it.",
+    ),
+]
+ReferenceJoin: TypeAlias = Annotated[
+    str, typer.Option(metavar="interpolated|nearest", help="How its values come to the times of the rows.")
+]
 Encoding: TypeAlias = Annotated[str, typer.Option(help="Encoding of a text file.")]
 SpreadsheetSafe: TypeAlias = Annotated[
     bool,
@@ -90,7 +109,6 @@ Engine: TypeAlias = Annotated[
 Json: TypeAlias = Annotated[
     str | None, typer.Option("--json", metavar="FILE", help="Write the result as JSON; - is stdout.")
 ]
-Quiet: TypeAlias = Annotated[bool, typer.Option("--quiet", "-q", help="Print nothing but errors.")]
 
 
 _FLAGS = {
@@ -105,6 +123,9 @@ _FLAGS = {
     "at": At,
     "time_format": TimeFormat,
     "sheet": Sheet,
+    "mount_height": MountHeight,
+    "reference": ReferenceLog,
+    "reference_join": ReferenceJoin,
     "options": Options,
 }
 """Flags of every command that reads a table."""
@@ -162,14 +183,14 @@ class Given(ReadOptions):
 AS_IT_IS = Given()
 
 
-def reading_options(*, sheet: bool = True) -> Callable[[Callable[..., None]], Callable[..., None]]:
-    """Give a command a flag for each of `ReadOptions`; it takes them together, as `reading`."""
+def reading_options(*without: str) -> Callable[[Callable[..., None]], Callable[..., None]]:
+    """Give a command a flag for each of `ReadOptions` but some; it takes them together, as `reading`."""
 
     def decorate(command: Callable[..., None]) -> Callable[..., None]:
         hints = get_type_hints(command, include_extras=True)
         parameters: list[Parameter] = []
         for one in signature(command).parameters.values():
-            names = [name for name in _FLAGS if sheet or name != "sheet"] if one.name == "reading" else []
+            names = [name for name in _FLAGS if name not in without] if one.name == "reading" else []
             usual = {name: _USUAL.get(name) for name in names}
             parameters += [one.replace(name=n, annotation=_FLAGS[n], default=usual[n]) for n in names]
             parameters += [] if names else [one.replace(annotation=hints[one.name])]
@@ -192,9 +213,20 @@ def _given(*, columns: Any, missing: Any, trust: Any, at: Any, options: Path | N
         missing=error_codes(missing),
         trust=trust or (),
         at=conditions(at),
-        files=(*toml_files(columns), *map(str, filter(None, [options]))),
+        files=(*toml_files(columns), *map(str, filter(None, [options, others.get("reference")]))),
         **{name: value for name, value in others.items() if value is not None},
     )
+
+
+def reading_words(reading: Given) -> dict[str, Any]:
+    """The same as options of `echocal.keywords.command_line`."""
+    given = reading.given()
+    pairs = {"columns": "column", "at": "at"}
+    listed = {name: given.pop(name) for name in pairs if name in given}
+    words = {pairs[name]: [f"{own}={one}" for own, one in each.items()] for name, each in listed.items()}
+    if (codes := given.pop("missing", None)) is not None:
+        words["missing"] = [f"{own}={one}" if own else one for own, each in codes.items() for one in each]
+    return words | {name: list(one) if isinstance(one, tuple) else one for name, one in given.items()}
 
 
 @contextmanager

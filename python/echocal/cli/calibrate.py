@@ -9,9 +9,10 @@ from rich.table import Table
 
 from echocal.calibrate import Calibration, calibrate
 from echocal.cli import _made_by
+from echocal.cli._complete import parameters
 from echocal.cli._console import Console
 from echocal.cli._models import Effects, model_of
-from echocal.cli._outputs import Force, Output, check_outputs
+from echocal.cli._outputs import Force, Output, Report, check_outputs, write_report
 from echocal.cli._tables import (
     AS_IT_IS,
     Given,
@@ -32,7 +33,11 @@ def command(
     data: Annotated[Path, typer.Argument(help="Table of echoes with reference distances.")],
     fit: Annotated[
         list[str],
-        typer.Option(metavar="NAME", help="Parameter to fit: zero_error.offset, fixed_delay, law.slope."),
+        typer.Option(
+            metavar="NAME",
+            help="Parameter to fit: zero_error.offset, fixed_delay, law.slope.",
+            autocompletion=parameters,
+        ),
     ],
     law: Annotated[str | None, typer.Option(help="Law or expression to begin with; default cramer.")] = None,
     model: Annotated[Path | None, typer.Option(metavar="FILE", help="Model file to begin with.")] = None,
@@ -44,6 +49,7 @@ def command(
     out: Annotated[
         Path | None, typer.Option("--out", "-o", metavar="FILE", help="Write the calibrated model.")
     ] = None,
+    report: Report = None,
     json: Json = None,
     force: Force = False,
     quiet: Quiet = False,
@@ -53,6 +59,7 @@ def command(
     check_outputs(
         Output("--out", out, _made_by.model("calibrate", data)),
         Output("--json", json, _made_by.result("echocal.calibration")),
+        Output("--report", report, _made_by.report("calibrate")),
         inputs=[data, model, *reading.files],
         force=force,
     )
@@ -62,12 +69,16 @@ def command(
         found = calibrate(read(data, quiet, reading), start, fit, loss=loss)
     if out is not None:
         _made_by.sign(found.model, "calibrate", data, out).save(out)
+    if report is not None:
+        from echocal.report.html.results import calibration_page
+
+        write_report(report, calibration_page, found, data.name)
     write_json(found.to_dict(), json)
     if not quiet and json != "-":
-        _print(found, out)
+        _print(found)
 
 
-def _print(found: Calibration, out: Path | None) -> None:
+def _print(found: Calibration) -> None:
     console = Console()
     table = Table("parameter", "value", "standard uncertainty", "unit")
     for estimate in found:
@@ -86,5 +97,3 @@ def _print(found: Calibration, out: Path | None) -> None:
         console.print(f"{name} ended on a bound: its uncertainty is not reliable", style="yellow")
     for note in found.notes:
         console.print(f"note: {note}", markup=False)
-    if out is not None:
-        console.print(f"wrote {out}", markup=False)

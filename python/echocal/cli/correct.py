@@ -7,7 +7,7 @@ import typer
 
 from echocal.cli import _made_by
 from echocal.cli._console import Console
-from echocal.cli._models import Effects, model_of
+from echocal.cli._models import Effects, Uncertain, model_of
 from echocal.cli._outputs import Force, Output, check_outputs, made_in
 from echocal.cli._progress import rows_bar
 from echocal.cli._tables import (
@@ -32,7 +32,7 @@ from echocal.objects import Object
 from echocal.places import Place, place_of
 
 
-@reading_options(sheet=False)
+@reading_options("sheet")
 def command(
     data: Annotated[
         str,
@@ -74,14 +74,7 @@ def command(
             help="Mark rows that are as those which the diagnosis of the model left out.",
         ),
     ] = True,
-    uncertainties: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--uncertainty",
-            metavar="NAME=U",
-            help="Standard uncertainty of a value: temperature_C=0.5, echo_us=10, ...",
-        ),
-    ] = None,
+    uncertainties: Uncertain = None,
     append_only: Annotated[
         str | None,
         typer.Option(metavar="COLUMN,...", help="Write these columns and the results only."),
@@ -112,6 +105,7 @@ def command(
         inputs=[*(s.path for s in inputs.files if isinstance(s.path, Path)), model, *reading.files],
         folder=None if inputs.single or isinstance(place, Object) else place,
         force=force,
+        told=True,
     )
     if models is not None and (model is not None or law is not None or effect):
         raise UsageError("--models has the models; leave --model, --law and --effect out")

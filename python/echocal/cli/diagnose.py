@@ -1,15 +1,24 @@
 """``echocal diagnose``: name what the base simulation gets wrong."""
 
-import shlex
-import sys
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, TypeAlias
 
 import typer
 
 from echocal.cli import _fleet, _made_by, _pool
+from echocal.cli._brief import follow_up, print_brief
+from echocal.cli._complete import bases
 from echocal.cli._console import Console
-from echocal.cli._outputs import Force, Output, PlotFormat, check_outputs, made_in
+from echocal.cli._outputs import (
+    Force,
+    Output,
+    PlotFormat,
+    Report,
+    check_outputs,
+    made_in,
+    write_report,
+    written,
+)
 from echocal.cli._ranges import parsed_ranges
 from echocal.cli._tables import (
     AS_IT_IS,
@@ -20,6 +29,7 @@ from echocal.cli._tables import (
     from_stdin,
     noted,
     reading_options,
+    reading_words,
     write_json,
 )
 from echocal.diagnose import Diagnosis, diagnose
@@ -28,6 +38,38 @@ from echocal.errors import DomainWarning, UsageError
 from echocal.model import Model
 from echocal.outputs import csv_text, replace_text
 from echocal.report import print_diagnosis
+
+Base: TypeAlias = Annotated[
+    str,
+    typer.Option(
+        help="linear, ideal_gas, cramer, virial, 331.3+0.606*T (linear in T), m/s, or a model file.",
+        autocompletion=bases,
+    ),
+]
+ReferenceDistance: TypeAlias = Annotated[
+    float | None, typer.Option(metavar="M", help="Distance of the target in every row, in m.")
+]
+ConstantDistance: TypeAlias = Annotated[
+    bool, typer.Option("--constant-distance", help="The target did not move; its distance is not known.")
+]
+Placements: TypeAlias = Annotated[
+    str | None,
+    typer.Option(
+        metavar="M,M,...",
+        help="Ruler values of the placements of a raw log, in their order: 0.5,1.2,2.5 (m).",
+    ),
+]
+MattersMm: TypeAlias = Annotated[
+    float | None,
+    typer.Option(
+        metavar="MM",
+        help="The difference of a reading that matters to you. Effects that add less are told in one line. "
+        "Default: by the steps of the readings, at least 0.3.",
+    ),
+]
+Details: TypeAlias = Annotated[
+    bool, typer.Option("--details", help="Print the evidence, the gain, every probability and note.")
+]
 
 
 @reading_options()
@@ -42,18 +84,11 @@ def command(
             metavar="[DATA ...]", help="Further tables, of this instrument or of others of its kind."
         ),
     ] = None,
-    base: Annotated[
-        str,
-        typer.Option(
-            help="linear, ideal_gas, cramer, virial, 331.3+0.606*T (linear in T), m/s, or a model file."
-        ),
-    ] = "linear",
-    reference_distance: Annotated[
-        float | None, typer.Option(metavar="M", help="Distance of the target in every row, in m.")
-    ] = None,
-    constant_distance: Annotated[
-        bool, typer.Option("--constant-distance", help="The target did not move; its distance is not known.")
-    ] = False,
+    base: Base = "linear",
+    reference_distance: ReferenceDistance = None,
+    constant_distance: ConstantDistance = False,
+    placements: Placements = None,
+    matters_mm: MattersMm = None,
     reading: Given = AS_IT_IS,
     since: Annotated[str | None, typer.Option(metavar="TIME", help="Use rows from this time on.")] = None,
     until: Annotated[
@@ -83,10 +118,7 @@ def command(
     ] = False,
     plots: Annotated[Path | None, typer.Option(metavar="DIR", help="Write plots.")] = None,
     plot_format: PlotFormat = "png",
-    report: Annotated[
-        Path | None,
-        typer.Option(metavar="OUT.html", help="Write one page to read in a browser, to print or to send."),
-    ] = None,
+    report: Report = None,
     rows: Annotated[
         Path | None,
         typer.Option(metavar="OUT.csv", help="Write of each row whether it is used, why not, and its error."),
@@ -139,6 +171,7 @@ def command(
         typer.Option(metavar="NAME", help=f"Of a fleet: who does the work: {', '.join(ENGINES)}."),
     ] = None,
     spreadsheet_safe: SpreadsheetSafe = False,
+    details: Details = False,
     json: Json = None,
     seed: Annotated[int, typer.Option(min=0, help="Seed of the gain's interval.")] = 0,
     force: Force = False,
@@ -164,9 +197,10 @@ def command(
             "--save-model": model,
             "--with-shape": with_shape,
             "--with-smooth": with_smooth,
-            "--report": report,
             "--rows": rows,
             "--can-vary": can_vary or ranges,
+            "--placements": placements,
+            "--matters-mm": matters_mm,
         }
         used = [*_file(base), *reading.files]
         request = {
@@ -184,7 +218,7 @@ def command(
                 used,
                 {**request, "base": base, "hold_out_after": _time(hold_out_after)},
                 reading.given(),
-                _fleet.Outputs(output, models, results, plots, json, plot_format),
+                _fleet.Outputs(output, models, results, plots, json, plot_format, report),
                 _fleet.How(kind, memory, workers, engine or "local", spreadsheet_safe),
                 force=force,
                 quiet=quiet,
@@ -195,9 +229,9 @@ def command(
             [data, *tables],
             by,
             used,
-            {**request, "base": _base(base)},
+            {**request, "base": base_of(base)},
             reading.given(),
-            _pool.Outputs(models, plots, json, plot_format),
+            _pool.Outputs(models, plots, json, plot_format, report),
             force=force,
             quiet=quiet,
         )
@@ -217,13 +251,15 @@ def command(
         task = bar.add_task("reading", total=None)
         diagnosis = diagnose(
             data,
-            base=_base(base),
+            base=base_of(base),
             reference_distance=reference_distance,
             constant_distance=constant_distance,
+            placements=distances_of(placements),
             since=since,
             until=until,
             hold_out_after=_time(hold_out_after),
             can_vary=_ranges(can_vary, ranges),
+            matters_mm=matters_mm,
             seed=seed,
             progress=lambda what, done, total: bar.update(
                 task, description=what, completed=done, total=total
@@ -238,13 +274,17 @@ def command(
     _write(diagnosis, whole, model, plots, plot_format)
     write_json(diagnosis.to_dict(), json)
     if report is not None:
-        from echocal.report.html import save_report  # plotly takes a while to import
+        from echocal.report.html import report_page
 
-        save_report(diagnosis, report, data.name, shlex.join(["echocal", *sys.argv[1:]]))
+        write_report(report, report_page, diagnosis, data.name)
     if rows is not None:
         replace_text(rows, csv_text(diagnosis.row_table()), newline="")
     if not quiet and json != "-":
-        print_diagnosis(diagnosis, Console())
+        console = Console(highlight=False)
+        if details:
+            print_diagnosis(diagnosis, Console())
+        else:
+            print_brief(diagnosis, console, written(), _after(diagnosis, data, model, reading), "--details")
 
 
 def _renamed(model: Path | None, former: Path | None, quiet: bool) -> Path | None:
@@ -275,7 +315,8 @@ def _file(base: str) -> list[str]:
     return [base] if base.endswith(".json") else []
 
 
-def _base(base: str) -> str | Model:
+def base_of(base: str) -> str | Model:
+    """The model of a file, or the base as it is written."""
     return Model.load(base) if _file(base) else base
 
 
@@ -304,6 +345,15 @@ def _write(diagnosis: Diagnosis, whole: Model, model: Path | None, plots: Path |
         whole.save(model)
 
 
+def _after(diagnosis: Diagnosis, data: Path, model: Path | None, reading: Given) -> str:
+    """The command that uses the model, where there is one to use."""
+    if diagnosis.verdict != "named" or not diagnosis.model.effects or diagnosis.good_enough:
+        return ""
+    if model is None:
+        return "Add --save-model model.json, then run echocal correct."
+    return next(iter(follow_up(diagnosis, data, model, reading_words(reading)).values()))
+
+
 def _ranges(first: list[str] | None, more: list[str]) -> dict[str, tuple[float, float]] | None:
     """Ranges after ``--can-vary``, however many follow it."""
     if more and not first:
@@ -311,6 +361,17 @@ def _ranges(first: list[str] | None, more: list[str]) -> dict[str, tuple[float, 
         raise UsageError(message)
     texts = [text for joined in (*(first or ()), *more) for text in joined.split()]
     return parsed_ranges(texts) or None
+
+
+def distances_of(text: str | None) -> list[float] | None:
+    """Distances of ``0.5,1.2,2.5`` [m]."""
+    if text is None:
+        return None
+    try:
+        return [float(word) for word in text.split(",")]
+    except ValueError:
+        message = f"--placements {text}: distances in m, with commas between them: 0.5,1.2,2.5"
+        raise UsageError(message) from None
 
 
 def _time(text: str | None) -> str | float | None:

@@ -12,8 +12,9 @@ from rich.table import Table
 from rich.text import Text
 
 from echocal.cli import _made_by
+from echocal.cli._complete import causes as completed
 from echocal.cli._console import Console
-from echocal.cli._outputs import Force, Output, check_outputs, pass_on
+from echocal.cli._outputs import Force, Output, Quiet, check_outputs, pass_on
 from echocal.diagnose.catalogue import causes, find_cause, irregularities
 from echocal.diagnose.findings.facts import CauseFacts
 from echocal.model.summary import DISTANCE, TEMPERATURES, facts, millimeters, typical_errors
@@ -27,7 +28,6 @@ command = typer.Typer(
 )
 
 Json = Annotated[str | None, typer.Option("--json", metavar="FILE", help="Write JSON; - is stdout.")]
-Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Print nothing.")]
 
 
 @command.callback(invoke_without_command=True)
@@ -49,7 +49,10 @@ def list_(json_: Json = None, quiet: Quiet = False, force: Force = False) -> Non
 @command.command()
 def show(
     cause: Annotated[
-        str, typer.Argument(metavar="ID", help="Id of an effect, a noise or a fault, e.g. humidity.")
+        str,
+        typer.Argument(
+            metavar="ID", help="Id of an effect, a noise or a fault, e.g. humidity.", autocompletion=completed
+        ),
     ],
     json_: Json = None,
     quiet: Quiet = False,

@@ -1,6 +1,5 @@
 """``echocal inspect``: what a log holds, and how to read it."""
 
-import json as json_
 from pathlib import Path
 from typing import Annotated
 
@@ -9,7 +8,8 @@ from rich.table import Table
 
 from echocal.cli import _made_by
 from echocal.cli._console import Console
-from echocal.cli._outputs import Force, Output, check_outputs
+from echocal.cli._options import toml_value, written_by_us
+from echocal.cli._outputs import Force, Output, Report, check_outputs, write_report
 from echocal.cli._tables import (
     AS_IT_IS,
     Given,
@@ -26,7 +26,6 @@ from echocal.observations.inspection import ColumnFacts, Inspection, inspect_log
 from echocal.outputs import csv_text, replace_text, spreadsheet_safe
 
 _BARS = "▁▂▃▄▅▆▇█"
-_FIRST = "# how to read"
 
 
 @reading_options()
@@ -42,15 +41,17 @@ def command(
     ] = None,
     reading: Given = AS_IT_IS,
     spreadsheet_safe: SpreadsheetSafe = False,
+    report: Report = None,
     json: Json = None,
     force: Force = False,
     quiet: Quiet = False,
 ) -> None:
     """Tell what each column holds and why, what is missing, how the clock runs; change nothing."""
     check_outputs(
-        Output("--out", out, _is_ours),
-        Output("--write", write, _is_ours),
+        Output("--out", out, written_by_us),
+        Output("--write", write, written_by_us),
         Output("--json", json, _made_by.result("echocal.inspection")),
+        Output("--report", report, _made_by.report("inspect")),
         inputs=[log, *reading.files],
         force=force,
     )
@@ -66,15 +67,14 @@ def command(
         replace_text(out, _toml(found, name, out, stated))
     if write is not None:
         _write(found, write, safe=spreadsheet_safe)
+    if report is not None:
+        from echocal.report.html.results import inspection_page
+
+        write_report(report, inspection_page, found, name.name)
     write_json(found.to_dict(), json)
     notes(found.notes, quiet)
     if not quiet and json != "-":
         _print(found, name, out)
-
-
-def _is_ours(file: Path) -> bool:
-    with file.open(encoding="utf-8", errors="replace") as stream:
-        return stream.readline().startswith(_FIRST)
 
 
 def _print(found: Inspection, name: Path, out: Path | None) -> None:
@@ -114,7 +114,7 @@ def _print(found: Inspection, name: Path, out: Path | None) -> None:
     else:
         console.print(f"{found.usable} of {found.rows} rows can be used", markup=False)
     if out is not None:
-        console.print(f"wrote {out}: echocal diagnose {name} --options {out}", markup=False)
+        console.print(f"next: echocal diagnose {name} --options {out}", markup=False)
     elif any(column.proposal.guess for column in found.columns):
         console.print(
             "accept the guesses, or edit them: echocal inspect ... -o log.toml, then --options log.toml"
@@ -139,24 +139,21 @@ def _histogram(counts: list[int]) -> str:
 def _toml(found: Inspection, log: Path, out: Path, stated: dict[str, object]) -> str:
     """Options of the log; guesses have a remark."""
     lines = [
-        f"{_FIRST} {log}, written by echocal inspect; edit it, then: echocal diagnose {log} --options {out}"
+        f"# how to read {log}, written by echocal inspect; edit it, then: "
+        f"echocal diagnose {log} --options {out}"
     ]
-    lines += [f"{name.replace('_', '-')} = {_value(value)}" for name, value in stated.items()]
+    lines += [f"{name.replace('_', '-')} = {toml_value(value)}" for name, value in stated.items()]
     lines += ["# constant-distance = true  # if the target did not move"]
-    lines += [f"# by = {_value(name)}  # {count} sensors" for name, count in found.sensors.items()]
+    lines += [f"# by = {toml_value(name)}  # {count} sensors" for name, count in found.sensors.items()]
     reasons = {column.name: column.proposal for column in found.columns}
     lines += ["", "[column]"]
     for name, request in found.requests.items():
         guess = "a guess: " if reasons[name].guess else ""
-        lines.append(f"{_value(name)} = {_value(request)}  # {guess}{reasons[name].reason}")
+        lines.append(f"{toml_value(name)} = {toml_value(request)}  # {guess}{reasons[name].reason}")
     if found.missing:
         lines += ["", "[missing]"]
-        lines += [f"{_value(name)} = {_value(codes)}" for name, codes in found.missing.items()]
+        lines += [f"{toml_value(name)} = {toml_value(codes)}" for name, codes in found.missing.items()]
     return "\n".join(lines) + "\n"
-
-
-def _value(value: object) -> str:
-    return json_.dumps(value, ensure_ascii=False)
 
 
 def _write(found: Inspection, path: Path, *, safe: bool) -> None:

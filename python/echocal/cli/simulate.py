@@ -105,7 +105,7 @@ def _tell(truth: dict[str, Any], out: Path | None) -> None:
     for note in truth["notes"]:
         console.print(f"note: {note}")
     if out is not None:
-        console.print(f"written to {out}; next: {truth['diagnose'].replace('TABLE', str(out))}")
+        console.print(f"next: {truth['diagnose'].replace('TABLE', str(out))}")
     else:
         console.print("no table is written: give --out FILE")
 

@@ -7,7 +7,7 @@ import typer
 
 from echocal.cli import _made_by
 from echocal.cli._console import Console
-from echocal.cli._outputs import Force, Output, check_outputs, made_in
+from echocal.cli._outputs import Force, Output, be_quiet, check_outputs, made_in
 from echocal.cli._progress import counted_bar
 from echocal.cli._tables import Json, write_json
 from echocal.errors import writing
@@ -35,7 +35,8 @@ def command(
     ] = None,
     json: Json = None,
     quiet: Annotated[
-        bool, typer.Option("--quiet", "-q", help="Print the count of each verdict only.")
+        bool,
+        typer.Option("--quiet", "-q", callback=be_quiet, help="Print the count of each verdict only."),
     ] = False,
     force: Force = False,
 ) -> None:
@@ -66,9 +67,9 @@ def command(
 
             show(answer, console)
     if out is not None:
-        _write(found, answer, out, console, quiet=quiet)
+        _write(found, answer, out)
     if page is not None:
-        from echocal.pages.study import study_page  # plotly takes a while to import
+        from echocal.pages.study import study_page
 
         replace_text(page, study_page(found))
     write_json(_document(found, answer), json)
@@ -101,17 +102,15 @@ def _document(found: "Study", answer: "Answer | None") -> dict[str, Any]:
     return found.to_dict() | {"question": report.document(answer)}
 
 
-def _write(found: "Study", answer: "Answer | None", out: Path, console: Console, *, quiet: bool) -> None:
+def _write(found: "Study", answer: "Answer | None", out: Path) -> None:
     from echocal.study import diagnosed, document, figures
     from echocal.study.question import page, picture
 
     with writing(out):
-        paths = figures.save(found, out)
-        paths += picture.save(answer, out) if answer is not None else []
+        figures.save(found, out)
+        if answer is not None:
+            picture.save(answer, out)
     texts = [document.render(found), diagnosed.render(diagnosed.ask(found.tables))]
     texts += [page.render(answer)] if answer is not None else []
     for name, text in zip(PAGES, texts, strict=False):
         replace_text(out / name, text)
-        paths.append(out / name)
-    if not quiet:
-        console.print(f"wrote {', '.join(str(path) for path in paths)}", markup=False)

@@ -7,9 +7,10 @@ from typing import Annotated
 import typer
 from rich.table import Table
 
+from echocal.cli import _made_by
 from echocal.cli._console import Console
-from echocal.cli._made_by import result
-from echocal.cli._outputs import Force, Output, check_outputs
+from echocal.cli._models import Uncertain
+from echocal.cli._outputs import Force, Output, Report, check_outputs, write_report
 from echocal.cli._tables import (
     AS_IT_IS,
     Given,
@@ -25,6 +26,7 @@ from echocal.diagnose.findings.sentences import quantity_text
 from echocal.errors import UsageError
 from echocal.model import Model
 from echocal.model.indicated_speed import speed_of
+from echocal.report.budget import probability_text
 from echocal.sweep import parse
 from echocal.verify import Verification, verify, verify_model
 
@@ -41,19 +43,25 @@ def command(
         Path | None, typer.Option(metavar="FILE", help="Correct the table with this model first.")
     ] = None,
     law: Annotated[str, typer.Option(help="Law that converts echo times to indications.")] = "linear",
+    uncertainties: Uncertain = None,
     temperature: Annotated[
         str, typer.Option(metavar="RANGE", help="For a model: temperatures [degC].")
     ] = "0:50:1",
     distance: Annotated[str, typer.Option(metavar="RANGE", help="For a model: distances [m].")] = "0.1:4:0.1",
     reading: Given = AS_IT_IS,
+    report: Report = None,
     json: Json = None,
     force: Force = False,
     quiet: Quiet = False,
 ) -> None:
-    """Compare errors of indication with a maximum permissible error; exit code 1 if one exceeds it."""
+    """Compare errors of indication with a maximum permissible error; exit code 1 if one exceeds it.
+
+    With --uncertainty, each error keeps a guard band of its expanded uncertainty.
+    """
     subject = from_stdin(subject)
     check_outputs(
-        Output("--json", json, result("echocal.verification")),
+        Output("--json", json, _made_by.result("echocal.verification")),
+        Output("--report", report, _made_by.report("verify")),
         inputs=[subject, model, *reading.files],
         force=force,
     )
@@ -63,6 +71,9 @@ def command(
         raise UsageError(message)
     with noted(quiet):
         if subject.suffix == ".json":
+            if uncertainties:
+                message = "--uncertainty belongs to measured errors; a simulated device has none to measure"
+                raise UsageError(message)
             ranges = {
                 name: parse(name, text)
                 for name, text in (("temperature", temperature), ("distance", distance))
@@ -73,7 +84,17 @@ def command(
             if correction:
                 reading = replace(reading, reading_speed=speed_of(correction, reading.reading_speed))
             observations = read(subject, quiet, reading)
-            found = verify(observations, maximum_permissible_error=bound, model=correction, law=law)
+            found = verify(
+                observations,
+                maximum_permissible_error=bound,
+                model=correction,
+                law=law,
+                uncertainties=uncertainties or (),
+            )
+    if report is not None:
+        from echocal.report.html.results import verification_page
+
+        write_report(report, verification_page, found, subject.name)
     write_json(found.to_dict(), json)
     if not quiet and json != "-":
         _print(found)
@@ -90,6 +111,10 @@ def _print(result: Verification) -> None:
     table.add_row("mean error", f"{result.mean_error * 1e3:+.3f} mm")
     table.add_row("root mean square error", f"{result.rms_error * 1e3:.3f} mm")
     table.add_row("errors examined", f"{result.count}, of which {result.exceeding} exceed the bound")
+    if result.least_probability is not None:
+        table.add_row("guard band (expanded uncertainty)", f"{result.guard_band * 1e3:.2g} mm at most")
+        table.add_row("errors too near to the bound to decide", f"{result.undecided}")
+        table.add_row("least probability of conformity", probability_text(result.least_probability))
     for reason, count in result.unusable.items():
         table.add_row("not examined", f"{count} rows: {reason}")
     for reason, count in result.outside_smooth.items():

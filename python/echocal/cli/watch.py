@@ -10,7 +10,7 @@ from typing import Annotated, Any
 import typer
 
 from echocal._interrupt import after_imports
-from echocal.cli._models import Effects, model_of
+from echocal.cli._models import Effects, Uncertain, model_of
 from echocal.cli._outputs import Force, Output, check_outputs
 from echocal.cli._tables import (
     AS_IT_IS,
@@ -31,7 +31,7 @@ _USUAL = WatchSettings()
 _BROKERS = ("mqtt://", "mqtts://")
 
 
-@reading_options(sheet=False)
+@reading_options("sheet", "reference", "reference_join")
 def command(
     source: Annotated[
         str,
@@ -113,14 +113,7 @@ def command(
             help="Mark rows that are as those which the diagnosis of the model left out.",
         ),
     ] = True,
-    uncertainties: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--uncertainty",
-            metavar="NAME=U",
-            help="Standard uncertainty of a value: temperature_C=0.5, echo_us=10, ...",
-        ),
-    ] = None,
+    uncertainties: Uncertain = None,
     reading: Given = AS_IT_IS,
     json: Annotated[
         str | None, typer.Option("--json", metavar="FILE", help="Write events as JSON lines; - is stdout.")

@@ -7,13 +7,14 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from echocal.correct.results import DISTANCE, UNCERTAINTY
+from echocal.correct.results import DISTANCE, LEVEL, UNCERTAINTY
 from echocal.observations.arrow import arrow
 
 __all__ = ["appended"]
 
 _ATTRS = {
     DISTANCE: {"units": "m", "long_name": "corrected distance"},
+    LEVEL: {"units": "m", "long_name": "corrected level"},
     UNCERTAINTY: {"units": "m", "long_name": "standard uncertainty of the corrected distance"},
 }
 """Attributes of the variables of xarray, as the CF conventions have them."""

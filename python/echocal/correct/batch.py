@@ -218,7 +218,7 @@ def job_of(
     if round_mm is not None and not round_mm > 0.0:
         message = f"{keyword('round_mm', round_mm)} is no step; give a positive number of millimeters"
         raise UsageError(message)
-    stated = reading.uncertainties.stated
+    stated = reading.uncertainties.plain()
     metadata = {"echocal.version": __version__, "echocal.distance_unit": "m"}
     if model is not None:
         metadata["echocal.model_hash"] = model.hash
@@ -232,7 +232,7 @@ def job_of(
     if round_mm is not None:
         metadata["echocal.rounded_to_mm"] = f"{round_mm:g}"
     described = {"model": to_plain(model)} if model is not None else {"folder": str(models), "by": str(by)}
-    how = {**reading.plain(), "mark_rows": reading.mark_rows, "uncertainties": dict(stated)}
+    how = {**reading.plain(), "mark_rows": reading.mark_rows, "uncertainties": stated}
     return {
         "models": described,
         "reading": how,

@@ -110,8 +110,8 @@ class Corrector:
         refuse_repeated(names)
         refuse_corrected(names)
         Missing(job.reading.missing).refuse_unknown(names)
-        requests = completed(names, job.reading.requests)[0]
-        job = replace(job, reading=replace(job.reading, columns=requests))
+        requests = completed(names, job.reading.requests_of(names))[0]
+        job = replace(job, reading=replace(job.reading, columns=requests, mount_height=None))
         self._names, self._job = list(names), job
         self.key = "" if job.models.folder is None else key
         self.by = job.models.by if self.key is None else ""
@@ -249,7 +249,8 @@ class Corrector:
         key = sizes[0][0]
         model = self._job.models.model(key)
         if model is None:
-            return no_distance(len(table), NO_MODEL if key else _NO_KEY), []
+            reason = NO_MODEL if key else _NO_KEY
+            return no_distance(len(table), reason, self._job.reading.first), []
         groups: list[tuple[Model, slice]] = []
         at = 0
         for own, count in sizes if len(sizes) > 1 else []:
@@ -322,5 +323,6 @@ def _scattered(found: list[Rows], orders: list[NDArray[np.intp]]) -> Rows:
         tuple(reasons),
         tuple(reasons.values()),
         tuple(dict.fromkeys(note for rows in found for note in rows.notes)),
+        found[0].first,
         outside,
     )

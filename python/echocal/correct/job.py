@@ -97,7 +97,7 @@ def _job(text: str, digest: str) -> Job:
             "every process needs the same files, and they may not change while it runs"
         )
         raise ModelError(message)
-    stated = Uncertainties(plain["reading"]["uncertainties"])
+    stated = Uncertainties.from_plain(plain["reading"]["uncertainties"])
     reading = Reading(**{**plain["reading"], "uncertainties": stated})
     one = Models(from_plain(models["model"])) if "model" in models else None
     each = one or Models(None, ModelFolder(Path(models["folder"])), models["by"])

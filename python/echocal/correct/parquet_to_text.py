@@ -22,7 +22,6 @@ from echocal.correct.parquet.file import (
     tally_of,
 )
 from echocal.correct.parquet.pieces import names_of, read_pieces, read_tables
-from echocal.correct.results import DISTANCE
 from echocal.correct.rows import Rows
 from echocal.correct.stream import corrected
 from echocal.correct.tables import results_of
@@ -78,7 +77,7 @@ def parquet_to_text(
         finest = _finest(opened)
         with writing_text(out, ending.endswith(".gz")) as file:
             empty, _ = as_text(opened.file.schema_arrow.empty_table())
-            file.write(_lines(empty, _nothing(), ending, job, header=True).encode())
+            file.write(_lines(empty, _nothing(job.reading.first), ending, job, header=True).encode())
             for rows, table in zip(made, _stored(opened), strict=True):
                 fields, notes = as_text(table if finest is None else _with(table, finest))
                 tally.notes |= dict.fromkeys(notes)
@@ -103,7 +102,7 @@ def _stored(opened: Opened) -> Iterator[Table]:
 
 def _lines(fields: pd.DataFrame, rows: Rows, ending: str, job: Job, *, header: bool) -> str:
     results = pd.DataFrame(results_of(rows))
-    results[DISTANCE] = np.round(results[DISTANCE], 9)  # to a nanometer
+    results[rows.first] = np.round(results[rows.first], 9)  # to a nanometer
     table = fields.join(results)
     # a separator at the end of lines made columns without a name
     names = ["" if str(name).startswith("Unnamed ") else str(name) for name in table.columns]
@@ -115,8 +114,8 @@ def _lines(fields: pd.DataFrame, rows: Rows, ending: str, job: Job, *, header: b
     return csv_text(table, header=names if header else False, sep=separator, decimal=decimal)
 
 
-def _nothing() -> Rows:
-    return Rows(np.zeros(0), np.zeros(0, np.float32), np.zeros(0, np.int16), ("",), (False,), ())
+def _nothing(first: str) -> Rows:
+    return Rows(np.zeros(0), np.zeros(0, np.float32), np.zeros(0, np.int16), ("",), (False,), (), first)
 
 
 def _finest(opened: Opened) -> Mapping[str, int] | None:

@@ -1,8 +1,10 @@
 """The columns that a correction appends."""
 
-__all__ = ["DISTANCE", "KNOWN_BY", "RESULTS", "STATUS", "UNCERTAINTY", "UNUSABLE"]
+__all__ = ["DISTANCE", "LEVEL", "RESULTS", "STATUS", "UNCERTAINTY", "UNUSABLE", "results"]
 
 DISTANCE = "corrected_distance_m"
+LEVEL = "corrected_level_m"
+"""In place of `DISTANCE` where the table holds a level."""
 UNCERTAINTY = "distance_standard_uncertainty_m"
 STATUS = "status"
 UNUSABLE = "unusable"
@@ -11,5 +13,7 @@ UNUSABLE = "unusable"
 RESULTS = (DISTANCE, UNCERTAINTY, STATUS, UNUSABLE)
 """Names of all of them, in this order."""
 
-KNOWN_BY = frozenset((DISTANCE, UNUSABLE))
-"""Columns by which a corrected table is recognized, also one of an earlier version."""
+
+def results(first: str) -> tuple[str, ...]:
+    """Names of all of them, where the first is `DISTANCE` or `LEVEL`."""
+    return (first, *RESULTS[1:])

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from echocal.correct.marks import reference_of, with_marks
 from echocal.correct.needed import Needed, is_derived, trusted
+from echocal.correct.results import DISTANCE, LEVEL
 from echocal.correct.uncertainty import Uncertainties, included, standard_uncertainty
 from echocal.errors import DataWarning
 from echocal.model import Model
@@ -20,6 +21,7 @@ from echocal.observations.assembly import Assembly
 from echocal.observations.at import conditions_at, sentences, uncertainties_of
 from echocal.observations.correction import base_indication, corrected_distance, outside_smooth
 from echocal.observations.marks import MARKS
+from echocal.observations.mount import holds_level, level_zero
 from echocal.observations.numbers import Missing, to_numbers
 from echocal.observations.options import ReadOptions
 from echocal.observations.part import Part
@@ -39,14 +41,20 @@ class Reading(ReadOptions):
     mark_rows: bool = True
     uncertainties: Uncertainties = field(default_factory=Uncertainties)
 
+    @property
+    def first(self) -> str:
+        """Name of the first result."""
+        return LEVEL if any(holds_level(name, own) for name, own in self.requests.items()) else DISTANCE
+
     @classmethod
     def of(
         cls, options: Mapping[str, Any], uncertainties: Sequence[str] | Mapping[str, float], mark_rows: bool
     ) -> "Reading":
         """With the uncertainties that a user states of values and of conditions that nobody recorded."""
         own = cls(**options, mark_rows=mark_rows)
-        stated = {**uncertainties_of(own.at or {}), **Uncertainties.of(uncertainties).stated}
-        return replace(own, uncertainties=Uncertainties(stated))
+        given = Uncertainties.of(uncertainties)
+        stated = {**uncertainties_of(own.at or {}), **given.stated}
+        return replace(own, uncertainties=replace(given, stated=stated))
 
 
 @dataclass(frozen=True)
@@ -75,6 +83,8 @@ class Rows:
     reasons: tuple[str, ...]
     unusable: tuple[bool, ...]
     notes: tuple[str, ...]
+    first: str = DISTANCE
+    """Name of the first result: a level is corrected to a level."""
     outside: Mapping[str, tuple[int, int, float]] = field(default_factory=dict)
     """Rows outside of the domain of a law; see `echocal.domain.counting`."""
 
@@ -155,6 +165,8 @@ def correct_rows(
     usable = [place == 0 or place >= unusable for place in range(len(status.reasons))]
     for own, rows, some in each:
         uncertainty[rows] = standard_uncertainty(some, own, distance[rows], reading.uncertainties)
+    if reading.first == LEVEL:
+        distance = level_zero(assembly.plan, model) - distance
     return Rows(
         distance,
         uncertainty,
@@ -162,6 +174,7 @@ def correct_rows(
         tuple(status.reasons),
         tuple(not it for it in usable),
         notes,
+        reading.first,
     )
 
 
@@ -205,11 +218,11 @@ def whole_log(table: pd.DataFrame, model: Model, needed: Needed, reading: Readin
     return Part(start, derived), elapsed
 
 
-def no_distance(count: int, reason: str) -> Rows:
+def no_distance(count: int, reason: str, first: str) -> Rows:
     """Rows that no model corrects."""
     nothing = np.full(count, np.nan)
     codes = np.ones(count, dtype=np.int16)
-    return Rows(nothing, nothing.astype(np.float32), codes, ("", reason), (False, True), ())
+    return Rows(nothing, nothing.astype(np.float32), codes, ("", reason), (False, True), (), first)
 
 
 def _observed(

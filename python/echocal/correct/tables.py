@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from echocal.correct.appended import appended
 from echocal.correct.needed import needed, refuse_no_model
-from echocal.correct.results import DISTANCE, RESULTS, STATUS, UNCERTAINTY, UNUSABLE
+from echocal.correct.results import DISTANCE, LEVEL, RESULTS, STATUS, UNCERTAINTY, UNUSABLE
 from echocal.correct.rows import Reading, Rows, correct_rows
 from echocal.errors import DataError, UsageError
 from echocal.model import Model
@@ -33,7 +33,8 @@ class Corrected:
     table : DataFrame of the library that was given, shape (n, m + 4)
         The unchanged table of pandas, polars, pyarrow or xarray (a dataset); of pandas for a file, a mapping
         and other libraries. It has ``corrected_distance_m`` [m], ``distance_standard_uncertainty_m`` [m],
-        ``status``, a reason code, and ``unusable``, its former name, too. A row
+        ``status``, a reason code, and ``unusable``, its former name, too; where the reading is a level,
+        ``corrected_level_m`` in place of the distance. A row
         outside of the range of a smooth correction has a reason and the distance without this correction.
     rows : int
         Number of rows.
@@ -124,7 +125,7 @@ def correct(
     reading = Reading.of(said, uncertainties, mark_rows)
     whole = load(table, reading.layout, sheet=reading.sheet)
     refuse_corrected(whole.columns)
-    requests, found, notes = understood(whole, reading.requests)
+    requests, found, notes = understood(whole, reading.requests_of(whole.columns))
     reading = replace(reading, trust={*reading.trust, *found.sure})
     Missing(reading.missing).refuse_unknown(whole.columns)
     read = needed(
@@ -152,14 +153,15 @@ correct_table = correct
 def results_of(rows: Rows) -> dict[str, NDArray[Any]]:
     """The appended columns by name."""
     reasons = np.array(rows.reasons)[rows.codes]
-    return {DISTANCE: rows.distance, UNCERTAINTY: rows.uncertainty, STATUS: reasons, UNUSABLE: reasons}
+    return {rows.first: rows.distance, UNCERTAINTY: rows.uncertainty, STATUS: reasons, UNUSABLE: reasons}
 
 
 def refuse_corrected(names: Collection[str]) -> None:
     """Raise `DataError` for a table that has a column which a correction appends."""
-    taken = [name for name in RESULTS if name in names]
+    taken = [name for name in (*RESULTS, LEVEL) if name in names]
     if taken:
-        before = "it was corrected before" if RESULTS[0] in taken else "a correction adds one of that name"
+        again = taken[0] in (DISTANCE, LEVEL)
+        before = "it was corrected before" if again else "a correction adds one of that name"
         message = f"the table already has a column '{taken[0]}': {before}; rename or remove it"
         raise DataError(message)
 

@@ -8,7 +8,7 @@ from echocal.correct.corrector import Tally
 from echocal.correct.job import Job
 from echocal.correct.kinds import KINDS, kind_of, possible, type_of, typed
 from echocal.correct.parquet.encode import columns_of, result_fields
-from echocal.correct.results import DISTANCE, RESULTS, UNCERTAINTY
+from echocal.correct.results import STATUS, UNCERTAINTY, UNUSABLE
 from echocal.correct.rows import Rows
 from echocal.correct.stream import in_order
 from echocal.correct.text.blocks import Block
@@ -58,7 +58,7 @@ def text_to_parquet(
     tally = Tally(columns=list(text.head.names))
     kinds = _kinds(text)
     schema = pa.schema(
-        [*(pa.field(name, type_of(kind)) for name, kind in kinds.items()), *result_fields()],
+        [*(pa.field(name, type_of(kind)) for name, kind in kinds.items()), *result_fields(job.reading.first)],
         {name.encode(): own.encode() for name, own in job.metadata.items()},
     )
 
@@ -67,10 +67,11 @@ def text_to_parquet(
         columns = {name: typed(fields[name], kind, text.head.decimal) for name, kind in kinds.items()}
         return pa.table({**columns, **columns_of(rows)}, schema=_loose(schema))
 
+    numbers = (job.reading.first, UNCERTAINTY)
     options = {
         "compression": "SNAPPY",
-        "use_dictionary": [name for name in schema.names if name not in (DISTANCE, UNCERTAINTY)],
-        "column_encoding": dict.fromkeys((DISTANCE, UNCERTAINTY), "BYTE_STREAM_SPLIT"),
+        "use_dictionary": [name for name in schema.names if name not in numbers],
+        "column_encoding": dict.fromkeys(numbers, "BYTE_STREAM_SPLIT"),
     }
     with opened_output(out) as file, pa.parquet.ParquetWriter(file, schema, **options) as writer:
         size = min(max(_VALUES // len(schema), _ROWS[0]), _ROWS[1])
@@ -117,7 +118,7 @@ def _of_all(column: Any, decimal: str, among: frozenset[str]) -> frozenset[str] 
 def _loose(schema: Any) -> Any:
     """The same schema with reasons as texts, not as places in a dictionary that each piece has for itself."""
     pa = arrow()
-    for name in RESULTS:
+    for name in (STATUS, UNUSABLE):
         place = schema.get_field_index(name)
         if pa.types.is_dictionary(schema.field(place).type):
             schema = schema.set(place, pa.field(name, pa.string()))

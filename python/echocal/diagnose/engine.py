@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from echocal.diagnose.pipeline import run
+from echocal.diagnose.preprocess.plateaus import placed
 from echocal.diagnose.preprocess.presumed import presume
 from echocal.diagnose.preprocess.reading import Reading, read
 from echocal.diagnose.progress import Progress, Steps
@@ -17,6 +18,7 @@ from echocal.diagnose.results.diagnosis import Diagnosis
 from echocal.diagnose.results.presumed import without_presumed
 from echocal.diagnose.results.stated import with_stated
 from echocal.diagnose.settings import Settings
+from echocal.errors import UsageError
 from echocal.model import Model
 from echocal.observations import Observations
 from echocal.observations.given import READ_OPTIONS, refuse_keywords
@@ -31,6 +33,7 @@ def diagnose(
     base: str | float | Model = "linear",
     reference_distance: float | None = None,
     constant_distance: bool = False,
+    placements: Sequence[float] | None = None,
     columns: Mapping[str, str] | str | Path | None = None,
     reading_speed: str | float | None = None,
     missing: Collection[Any] | Mapping[str, Any] = (),
@@ -38,6 +41,7 @@ def diagnose(
     until: str | None = None,
     hold_out_after: str | float | None = None,
     can_vary: Mapping[str, Sequence[float]] | None = None,
+    matters_mm: float | None = None,
     seed: int = 0,
     settings: Settings | Mapping[str, Mapping[str, Any]] | None = None,
     progress: Progress | None = None,
@@ -62,6 +66,9 @@ def diagnose(
     constant_distance : bool
         The target did not move, but its distance is not known. The level is then estimated, for
         each segment between two steps of the level.
+    placements : sequence of float, optional
+        Distances [m] of a raw log in which the target was placed several times, in their order: each plateau
+        of the readings gets one of them. Rows between two plateaus are left out.
     columns, missing
         Passed to `echocal.read_observations`.
     reading_speed : str or float, optional
@@ -75,6 +82,11 @@ def diagnose(
         Conditions that can be varied for the next measurements, with their ranges:
         ``{"distance": (0.2, 4.0), "temperature": (5.0, 40.0)}`` in m and degC. The names are those
         of recorded conditions.
+    matters_mm : float, optional
+        The difference of a reading from which on it matters to you [mm]. An effect that adds less to every
+        reading is told in one line; where all do, the verdict is told as "good enough". It changes no
+        probability and no model. Default: what the resolution of the readings or the datasheet of an
+        HC-SR04 makes of it; `Diagnosis.matters_mm` and `Diagnosis.matters_because` say what.
     seed : int
         Seed of the resampling for the interval of the gain, not negative.
     settings : Settings or mapping, optional
@@ -123,6 +135,7 @@ def diagnose(
         until=until,
         hold_out_after=hold_out_after,
         can_vary=can_vary,
+        matters_mm=matters_mm,
     )
     work = Steps(progress)
     work.begin("reading")
@@ -130,6 +143,11 @@ def diagnose(
     if not isinstance(observations, Observations):
         how["reading_speed"] = request.base.reading_speed if reading_speed is None else reading_speed
     reading = read(observations, how)
+    if placements is not None:
+        if reference_distance is not None or constant_distance:
+            raise UsageError("give placements, a reference distance, or constant_distance: only one of them")
+        own = placed(reading.observations, list(placements))
+        reading = replace(reading, observations=own)
     simulated, rest = presume(request.base, reading.observations)
     read_columns = [*rest.source_names.values(), *rest.extra]
     with naming(read_columns):

@@ -17,6 +17,7 @@ from echocal.diagnose.inference.examine import examine
 from echocal.diagnose.inference.hypothesis import Stack
 from echocal.diagnose.inference.posterior import Inference, infer
 from echocal.diagnose.inference.weigh_steps import weigh_steps
+from echocal.diagnose.matters import Matters
 from echocal.diagnose.noises.common.convection import convections
 from echocal.diagnose.noises.common.growing import NOISE_GROWTH, growth_of, with_growing_noise
 from echocal.diagnose.noises.common.offsets import without_offsets
@@ -26,6 +27,7 @@ from echocal.diagnose.noises.common.scattered_rows import without_scattered_rows
 from echocal.diagnose.noises.registry import not_imitated
 from echocal.diagnose.preprocess.folds import Folds
 from echocal.diagnose.preprocess.hold_out import split
+from echocal.diagnose.preprocess.moving import moving_target
 from echocal.diagnose.preprocess.prepare import prepare
 from echocal.diagnose.preprocess.reading import Reading
 from echocal.diagnose.preprocess.reference import refuse_contradiction
@@ -130,6 +132,7 @@ def examined(reading: Reading, request: Request, work: Steps) -> Examined:
             table = prepare(
                 observations, base, distance, constant, settings.rows, level_steps, faults.rounding
             )
+            moving = moving_target(table, settings.rows)
             steps = weigh_steps(table, base, request.seed, settings, level_steps)
             table = table if steps is None else steps.kept(steps.case.folds.fit)
             folds = Folds.of(table, settings.rows)
@@ -141,6 +144,9 @@ def examined(reading: Reading, request: Request, work: Steps) -> Examined:
 
             work.begin("comparing noises")
             tried = not_imitated(faults.quantizations)
+            if moving:  # far readings vary more only because the target went there
+                case = replace(case, moving=moving)
+                tried = tuple(noise for noise in tried if noise.facts.id != NOISE_GROWTH)
             shares = infer_noises(case, inference.fits, inference.reduced, tried)
             if (grown := with_growing_noise(case, inference, shares)) is not None:
                 case, inference = grown
@@ -181,7 +187,8 @@ def examined(reading: Reading, request: Request, work: Steps) -> Examined:
         able = members(case, ranking, selection.claims, validation, reduced)
         proposals = propose(case, able, selection, validation, ranges)
         found = (inference, ranking, selection, validation, judge, joint, smooth, left)
-        diagnosis = report(case, observations, *found, able, proposals)
+        matters = Matters.of(case, request.matters_mm)
+        diagnosis = report(case, observations, *found, able, proposals, matters)
         reference = whole.reference_distance if distance is None and not constant else None
         more = [] if columns else outlier_rules(read, reference, diagnosis.fates, diagnosis.model, settings)
         known = {**diagnosis.model.provenance, **faults.marks(more)}

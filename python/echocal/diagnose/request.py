@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from echocal.diagnose.experiment_design.ranges import Ranges, checked_ranges
+from echocal.diagnose.matters import checked_mm
 from echocal.diagnose.preprocess.base import Base
 from echocal.diagnose.preprocess.reference import refuse_distance
 from echocal.diagnose.settings import Settings
@@ -34,6 +35,8 @@ class Request:
         Rows from this time on are held out.
     can_vary : mapping of str to (float, float), or None
         What can be varied for the next measurements.
+    matters_mm : float or None
+        The difference of a reading from which on it matters [mm].
     seed : int
         Seed of the resampling for the interval of the gain.
     settings : Settings
@@ -49,6 +52,7 @@ class Request:
     until: str | None = None
     hold_out_after: str | float | None = None
     can_vary: Mapping[str, Sequence[float]] | None = None
+    matters_mm: float | None = None
 
     @classmethod
     def of(
@@ -67,6 +71,7 @@ class Request:
         """
         simulated = Base.of(base)
         refuse_distance(others.get("reference_distance"))
+        checked_mm(others.get("matters_mm"))
         if isinstance(seed, bool) or not isinstance(seed, int | np.integer) or seed < 0:
             message = f"seed is {seed!r}; give an integer of 0 or more"
             raise UsageError(message)

@@ -63,7 +63,7 @@ def compile_package(made: Firmware) -> Sketch:
 def columns_of_package(played: Played, made: Firmware) -> pd.DataFrame:
     """Return echo time, temperature, humidity and distance of what the example sketch prints.
 
-    NaN where it prints "no echo" or "out of range".
+    NaN where it prints why there is no distance.
     """
     axes = (made.report["device"]["echo"], *made.report["device"]["conditions"])
     rows = np.full((len(played.rows), len(axes) + 1), np.nan)

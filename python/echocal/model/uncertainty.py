@@ -2,6 +2,7 @@
 
 import warnings
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any, Protocol, Self
 
 import numpy as np
@@ -13,7 +14,7 @@ from echocal.model.residual_uncertainty import ResidualUncertainty
 from echocal.model.shape import Shape
 from echocal.model.smooth import Smooth
 
-__all__ = ["standard_uncertainty", "stated"]
+__all__ = ["Parts", "parts", "standard_uncertainty", "stated"]
 
 Values = NDArray[np.float64]
 
@@ -31,6 +32,37 @@ class Uncertain(Protocol):
 
     def without_shape(self) -> Self: ...
     def jacobian(self, distance: ArrayLike, **conditions: ArrayLike | None) -> Values: ...
+
+
+@dataclass(frozen=True)
+class Parts:
+    """Parts of the standard uncertainty of corrected distances.
+
+    Attributes
+    ----------
+    sensitivities : ndarray, shape (..., n), or None
+        Change of a distance with each parameter [m per unit]; None where the parameters are not uncertain.
+    covariance : ndarray, shape (n, n), or None
+        Of the parameters.
+    shape : ndarray
+        Standard uncertainty from an unexplained term or a smooth correction [m].
+    residual : ndarray
+        That of the repeatability and of what the model leaves unexplained [m].
+    """
+
+    sensitivities: Values | None
+    covariance: Values | None
+    shape: Values
+    residual: Values
+
+    @property
+    def variance(self) -> Values:
+        """Square of the combined standard uncertainty [m^2]."""
+        found: Any = self.shape**2 + self.residual**2
+        if self.sensitivities is not None:
+            g: Any = self.sensitivities
+            found = found + np.einsum("...i,ij,...j->...", g, np.asarray(self.covariance), g)
+        return np.asarray(found)
 
 
 def standard_uncertainty(
@@ -67,21 +99,29 @@ def standard_uncertainty(
     [0.001057, 0.001057]
     """
     distance = np.asarray(distance, dtype=np.float64)
-    if model.covariance is None and model.residual_uncertainty is None and model.shape is None:
+    found = parts(model, distance, conditions)
+    if found is None:
         return np.full(distance.shape, np.nan)
+    return np.sqrt(np.where(np.isnan(distance), np.nan, found.variance))
+
+
+def parts(model: Uncertain, distance: ArrayLike, conditions: Mapping[str, ArrayLike | None]) -> Parts | None:
+    """Return what the standard uncertainty of corrected distances is made of; None if none is stated."""
+    distance = np.asarray(distance, dtype=np.float64)
+    if model.covariance is None and model.residual_uncertainty is None and model.shape is None:
+        return None
     residual: Any = (
         0.0 if model.residual_uncertainty is None else model.residual_uncertainty.of(distance) ** 2
     )
     if model.shape is None and (model.covariance is None or not model.covariance.any()):
-        return np.sqrt(np.where(np.isnan(distance), np.nan, residual))
+        return Parts(None, None, np.zeros(()), np.sqrt(residual))
     jacobian = model.without_shape().jacobian(distance, **added.others(model.shape, conditions))
-    variance: Any = 0.0
+    slope = jacobian[..., 0]
+    shape: Any = 0.0
     if model.shape is not None:
-        variance, residual = added.variance(model.shape, model.air, distance, conditions, residual)
-    if model.covariance is not None:
-        tangents = jacobian[..., 1:]
-        variance = variance + np.einsum("...i,ij,...j->...", tangents, model.covariance, tangents)
-    return np.asarray(np.sqrt(residual + variance / jacobian[..., 0] ** 2))
+        shape, residual = added.variance(model.shape, model.air, distance, conditions, residual)
+    sensitivities = None if model.covariance is None else -jacobian[..., 1:] / slope[..., np.newaxis]
+    return Parts(sensitivities, model.covariance, np.sqrt(shape) / np.abs(slope), np.sqrt(residual))
 
 
 def stated(model: Uncertain, air: Mapping[str, float], longest: float) -> list[tuple[float, float]]:

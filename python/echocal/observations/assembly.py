@@ -18,6 +18,7 @@ from echocal.observations.derived import derived
 from echocal.observations.echoes import FirmwareSpeed, disagreeing
 from echocal.observations.fields import row, rows, shown
 from echocal.observations.level import refuse_level
+from echocal.observations.mount import mount_height, refuse_unmounted
 from echocal.observations.numbers import Missing, to_numbers
 from echocal.observations.part import Part
 from echocal.observations.plan import EVERYTHING, Assignment, Plan
@@ -54,6 +55,7 @@ class Assembly:
     def observations(self, reading_speed: str | float | None) -> Observations:
         """Put everything together; `reading_speed` as in `echocal.read_observations`."""
         held = self.plan.assignments
+        refuse_unmounted(self.plan)
         if not {"echo_time", "reading"} & set(held):
             raise DataError(no_echo(self.table, self.plan))
         order = dict.fromkeys(form.quantity for form in FORMS if not form.label)
@@ -80,15 +82,18 @@ class Assembly:
             source_names={name: source.column for name, source in held.items()},
             notes=tuple(self.notes),
             refused=self.refused,
+            mount_height=mount_height(self.plan),
         )
 
     def _refuse_level(self, values: Mapping[str, Column], echo_time: Column) -> None:
         """Refuse a level in place of the reference distance, which only a whole table shows."""
         source = self.plan.assignments.get("reference_distance")
-        if source is None or self.part is not None or source.column in self.trusted:
+        if source is None or source.form.level or self.part is not None or source.column in self.trusted:
             return  # no fault of a column explains a level: it is refused where all others are trusted
         usable = self.reason == 0
-        refuse_level(values["reference_distance"], values.get("reading"), echo_time, usable, source.column)
+        refuse_level(
+            values["reference_distance"], values.get("reading"), echo_time, usable, source.column, source.name
+        )
 
     def _values(self, quantity: str) -> Column:
         """Values of a quantity [SI]; rows without one, or with an impossible one, are marked."""

@@ -142,7 +142,7 @@ def refuse_other_unit(values: Column, seen: Ends, assignment: Assignment, truste
     if not others and _within(unit, median, form.physical):
         return  # unusual, and no other unit makes it usual
     if not others:
-        low, high = (unit.from_si(bound) for bound in form.physical)
+        low, high = sorted(unit.from_si(bound) for bound in form.physical)
         code = median in CODES or bool(np.mean(known == median) > _REPEATED)
         advice = (
             f"an error code? {keyword('missing', {column: median})}"
@@ -198,14 +198,19 @@ def impossible(values: Column, seen: Ends, assignment: Assignment) -> tuple[Mask
     seen : (float, float)
         Their `ends`.
     """
-    low, high = (assignment.unit.from_si(bound) for bound in assignment.form.physical)
+    form = assignment.form
+    low, high = sorted(assignment.unit.from_si(bound) for bound in form.physical)
     least, most = seen
-    if (least > low if assignment.form.positive else least >= low) and most <= high:
+    open_below, open_above = form.positive and not form.level, form.positive and form.level
+    if (least > low if open_below else least >= low) and (most < high if open_above else most <= high):
         return np.zeros(len(values), dtype=np.bool_), []
     with np.errstate(invalid="ignore"):
-        below = values <= low if assignment.form.positive else values < low
-        above = values > high
-    kinds = [(below, "at or below" if assignment.form.positive else "below", low), (above, "above", high)]
+        below = values <= low if open_below else values < low
+        above = values >= high if open_above else values > high
+    kinds = [
+        (below, "at or below" if open_below else "below", low),
+        (above, "at or above" if open_above else "above", high),
+    ]
     column = assignment.column
     notes = [_count(values, mask, column, f"{word} {bound:g}") for mask, word, bound in kinds if mask.any()]
     return np.asarray(below | above, dtype=np.bool_), notes
@@ -257,6 +262,7 @@ def _ordinary_as(median: float, form: Form) -> dict[str, float]:
     found: dict[str, float] = {}
     for name in (*form.names, *form.also):
         other, unit = NAMES[name]
+        other = form if name in form.names else other  # whose units count down from the mount height
         value = other.units[unit].to_si(median)
         low, high = other.typical or other.physical
         if low <= value <= high and value not in found.values():

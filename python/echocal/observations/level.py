@@ -1,24 +1,92 @@
-"""A reference distance that is a level: it rises where the distance falls."""
+"""Levels: they rise where the distance falls, by the height of the sensor above their zero."""
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.errors import DataError
+from echocal.errors import DataError, UsageError
 from echocal.keywords import keyword
+from echocal.observations.mount import LEAST, is_level, without_height
+from echocal.observations.names import BELOW
+from echocal.observations.numbers import Missing, to_numbers
+from echocal.observations.plan import Assignment, make
 
-__all__ = ["refuse_level"]
+if TYPE_CHECKING:
+    import pandas as pd
+
+__all__ = ["fitted", "refuse_level"]
 
 Column = NDArray[np.float64]
 
-_FEWEST = 8  # rows
 _LEAST = 0.02  # m that a level changes at least: more than the steps of readings in whole centimeters
 _RATIO = 1 / 3
 """Spread of sum over spread of difference: 1 without any relation, 1/3 at a correlation of -0.8."""
 _SPEED = 343.0  # m/s: the height in the message is a rough one
 
 
+def fitted(
+    table: "pd.DataFrame", requests: Mapping[str, str], missing: Missing
+) -> tuple[dict[str, str], list[str]]:
+    """Meanings of columns, each level with the height that distances beside it tell, and a sentence on it.
+
+    The height is the middle of level + distance, to the millimeter. What it is wrong by is a zero error.
+
+    Raises
+    ------
+    UsageError
+        If nothing beside a level tells a distance.
+    DataError
+        If a level does not rise where the distance falls.
+    """
+    found, said = dict(requests), []
+    open_ = [name for name, own in requests.items() if BELOW not in own and is_level(name, own)]
+    for column in open_ if open_ else ():
+        held = make(list(table.columns), requests).assignments
+        own = next(source for source in held.values() if source.column == column)
+        other = _other(held, own)
+        if other is None:
+            raise UsageError(without_height(own))
+        level, far = (
+            source.unit.to_si(to_numbers(table[source.column], source.column, missing, []))
+            for source in (own, other)
+        )
+        far = 0.5 * _SPEED * far if other.form.quantity == "echo_time" else far
+        known = np.isfinite(level) & np.isfinite(far) & (far > 0.0)
+        if known.sum() < LEAST:
+            raise UsageError(without_height(own))
+        level, far = level[known], far[known]
+        if _spread(level) > _LEAST and _spread(level + far) >= _spread(level - far):
+            message = (
+                f"column '{column}' is no level beside '{other.column}': it does not fall where the distance "
+                f"rises; say what it is: {keyword('columns', {column: f'distance_{own.unit_name}'})}"
+            )
+            raise DataError(message)
+        height = round(float(np.median(level + far)), 3)
+        found[column] = f"{requests[column]}{BELOW}{height!r} m"
+        said.append(
+            f"the mount height of '{column}' is not given and is fitted: {height:.3f} m, the middle of "
+            f"'{other.column}' + '{column}'; a constant error of either counts from this height, as "
+            f"zero_error. If the height was measured: {keyword('mount_height', height)}"
+        )
+    return found, said
+
+
+def _other(held: Mapping[str, Assignment], level: Assignment) -> Assignment | None:
+    """The column that tells a distance beside a level."""
+    names = {"reading": ("reference_distance", "echo_time"), "reference_distance": ("reading", "echo_time")}
+    others = (held.get(name) for name in names[level.form.quantity])
+    return next((other for other in others if other is not None and not other.form.level), None)
+
+
 def refuse_level(
-    reference: Column, reading: Column | None, echo_time: Column, usable: NDArray[np.bool_], column: str
+    reference: Column,
+    reading: Column | None,
+    echo_time: Column,
+    usable: NDArray[np.bool_],
+    column: str,
+    name: str,
 ) -> None:
     """Refuse a reference distance whose sum with the reading is nearly constant, and their difference is not.
 
@@ -31,8 +99,8 @@ def refuse_level(
     echo_time : ndarray, shape (n,)
         Taken where there is no reading [s].
     usable : ndarray of bool, shape (n,)
-    column : str
-        Name of the column, for the message.
+    column, name : str
+        Name of the column, and what it was taken for (``distance_m``), for the message.
 
     Raises
     ------
@@ -41,7 +109,7 @@ def refuse_level(
     """
     indicated = 0.5 * _SPEED * echo_time if reading is None else reading
     known = usable & np.isfinite(reference) & np.isfinite(indicated)
-    if known.sum() < _FEWEST:
+    if known.sum() < LEAST:
         return
     level, distance = reference[known], indicated[known]
     height = float(np.median(distance + level))
@@ -51,10 +119,12 @@ def refuse_level(
     message = (
         f"column '{column}' looks like a level, not like the distance to the target: where it rises, the "
         f"reading falls. Their sum stays within {together:.3f} m of {height:.2f} m, and their difference "
-        f"changes by {apart:.3f} m (90 % of {known.sum()} rows). distance = height - level, where height is "
-        f"that of the sensor above the zero of the level, about {height:.2f} m: write this distance into the "
-        f"table. To read the table without the column: {keyword('columns', {column: 'ignore'})}; if it is a "
-        f"distance all the same: {keyword('trust', [column])}"
+        f"changes by {apart:.3f} m (90 % of {known.sum()} rows). If it is a level: "
+        f"{keyword('columns', {column: name.replace('distance', 'reference_level')})} "
+        f"{keyword('mount_height', round(height, 2))}, the height of the sensor above the zero of the level, "
+        f"as exactly as it is known. To read the table without the column: "
+        f"{keyword('columns', {column: 'ignore'})}; if it is a distance all the same: "
+        f"{keyword('trust', [column])}"
     )
     raise DataError(message)
 

@@ -1,15 +1,18 @@
 """From a column's name, or what the user says about it, to a quantity and its unit."""
 
 import re
+from dataclasses import replace
 
 from echocal.errors import DataError, UsageError, among
 from echocal.keywords import command_line, keyword
 from echocal.observations.units import FORMS, NAMES, THERMOMETER, UNIT_WORDS, Form
 from echocal.observations.units_said import symbol_of
 
-__all__ = ["EXTRA", "IGNORE", "INSPECT", "by_name", "by_request", "looks_like", "phrase", "unit_of"]
+__all__ = ["BELOW", "EXTRA", "IGNORE", "INSPECT", "by_name", "by_request", "looks_like", "phrase", "unit_of"]
 
 EXTRA = "extra"
+BELOW = " below "
+"""Between a level and the height of the sensor above its zero: ``level_cm below 2.6 m``."""
 INSPECT = (
     f"{command_line('inspect', 'LOG', '-o', 'log.toml')} proposes all columns, "
     f"{command_line('diagnose', 'LOG', options='log.toml')} takes them"
@@ -32,6 +35,8 @@ def by_name(column: str) -> tuple[Form, str] | None:
         If the name begins like one of echocal's and its unit is missing or unknown.
     """
     found = _exact(column)
+    if found and found[0].level:
+        return None  # of what, and below which height, only its user can say
     if found and (found[1] or column == found[0].role):
         return found  # a bare name in another case ("Time") is somebody's own
     if further := _FURTHER.fullmatch(column):
@@ -40,7 +45,7 @@ def by_name(column: str) -> tuple[Form, str] | None:
     if role is None:
         return None
     form, unit = _FORM_BY_ROLE[role], column[len(role) + 1 :]
-    weak = form.label or form.several or form.stand_in  # asks for no unit
+    weak = form.label or form.several or form.stand_in or form.level  # asks for no unit
     if weak or "_" in unit:  # a longer name is somebody's own: wind_direction_deg
         return None
     what = f"unknown unit '{unit}'" if unit else "no unit"
@@ -63,15 +68,27 @@ def by_request(column: str, request: str) -> tuple[Form, str] | None:
     request = request.strip()
     if request == EXTRA:
         return None
-    if found := _exact(request) or phrase(request):
-        return found
-    form = _form_of(request)
+    meaning, _, above = request.partition(BELOW)
+    if found := _exact(meaning) or phrase(meaning):
+        return (_below(found[0], column, above), found[1]) if above else found
+    form = _form_of(meaning)
     if form is not None:
         message = f"'{column}' = '{request}' has no known unit; accepted: {', '.join(form.names)}"
         raise UsageError(message)
     known = among(request, [*NAMES, EXTRA, IGNORE], "accepted:")
     message = f"'{column}' = '{request}' names no quantity{known}"
     raise UsageError(message)
+
+
+def _below(form: Form, column: str, height: str) -> Form:
+    """A level that is counted down from the height of the sensor."""
+    match = re.fullmatch(r"(?P<height>[-+.\de]+) m", height)
+    if match is None or not form.level:
+        message = f"'{column}': a level is written like 'level_cm below 2.6 m', got '... below {height}'"
+        raise UsageError(message)
+    meters = float(match["height"])
+    units = {name: unit.below(meters) for name, unit in form.units.items()}
+    return replace(form, units=units, mount_height=meters)
 
 
 def looks_like(column: str, form: Form) -> bool:

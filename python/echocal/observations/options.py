@@ -7,6 +7,7 @@ from typing import Any
 
 from echocal.errors import UsageError
 from echocal.observations.layout import Layout
+from echocal.observations.mount import mounted
 from echocal.observations.plan import read_columns
 
 __all__ = ["ReadOptions"]
@@ -44,14 +45,18 @@ class ReadOptions:
     time_format: str | None = None
     at: Mapping[str, Any] | None = None
     sheet: str | None = None
+    mount_height: float | None = None
+    reference: Any = None
+    reference_join: str = "interpolated"
     layout: Layout = field(init=False, repr=False, compare=False)
     """How a text file is written."""
     requests: dict[str, str] = field(init=False, repr=False, compare=False)
     """Meaning of columns, also where `columns` is a file."""
 
     def __post_init__(self) -> None:
+        height = None if self.mount_height is None else float(self.mount_height)
         speed = None if self.reading_speed is None else str(self.reading_speed)
-        requests = read_columns(self.columns)
+        requests = mounted(read_columns(self.columns), height)
         made = {
             "requests": requests,
             "columns": requests or None,
@@ -59,6 +64,8 @@ class ReadOptions:
             "missing": self.missing if isinstance(self.missing, Mapping | str) else _listed(self.missing),
             "trust": _names(self.trust),
             "at": {name: str(value) for name, value in (self.at or {}).items()} or None,
+            "mount_height": height,
+            "reference": str(self.reference) if isinstance(self.reference, Path) else self.reference,
             "layout": Layout(self.skip_lines, self.decimal, self.encoding),
         }
         for name, value in made.items():
@@ -67,7 +74,13 @@ class ReadOptions:
     def given(self) -> dict[str, Any]:
         """The options that say something, as arguments of `echocal.read_observations`."""
         own = ((one.name, getattr(self, one.name), one.default) for one in fields(ReadOptions) if one.init)
-        return {name: value for name, value, usual in own if value != usual}
+        return {name: value for name, value, usual in own if not _same(value, usual)}
+
+    def requests_of(self, columns: Collection[str]) -> dict[str, str]:
+        """Meaning of the columns of a log; of those that only the log of the reference has, none."""
+        if self.reference is None:
+            return self.requests
+        return {name: request for name, request in self.requests.items() if name in columns}
 
     def plain(self) -> dict[str, Any]:
         """The same as JSON holds them."""
@@ -80,6 +93,10 @@ def _names(trust: Any) -> tuple[str, ...]:
         message = f'trust lists names of columns, ["temperature_C"]; got {trust!r}'
         raise UsageError(message)
     return tuple(listed)
+
+
+def _same(value: Any, usual: Any) -> bool:
+    return value is usual or (isinstance(value, type(usual)) and value == usual)
 
 
 def _listed(codes: Any) -> tuple[Any, ...]:

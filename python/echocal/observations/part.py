@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from echocal.observations.checks import impossible
 from echocal.observations.fields import fields
 from echocal.observations.numbers import Damage
 from echocal.observations.plan import Assignment
@@ -98,8 +99,7 @@ class Part:
             self.seen[source.column] = Seen(len(values), finite, finite, damage=damage)
             return
         with np.errstate(invalid="ignore"):
-            least, most = (unit.from_si(bound) for bound in form.physical)
-            possible = (values > least if form.positive else values >= least) & (values <= most)
+            possible = ~impossible(values, ends, source)[0]
             si = unit.to_si(values)
             below, above = possible & (si < low), possible & (si > high)
         masks = (np.isfinite(values), possible & np.isfinite(values), below, above)

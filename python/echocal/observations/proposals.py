@@ -43,6 +43,11 @@ class Proposal:
     reason: str
     guess: bool = False
 
+    @property
+    def quantity(self) -> str:
+        """Quantity that the request names; empty where it names none, or several."""
+        return _quantity(self.request)
+
 
 def propose(table: pd.DataFrame, found: Found, given: Mapping[str, str]) -> dict[str, Proposal]:
     """A proposal for each column; what the user says goes first."""

@@ -33,6 +33,9 @@ def read_observations(
     time_format: str | None = None,
     at: Mapping[str, Any] | None = None,
     sheet: str | None = None,
+    mount_height: float | None = None,
+    reference: Any = None,
+    reference_join: str = ReadOptions.reference_join,
 ) -> Observations:
     """Read a table of echoes: check it, convert it to SI units, account for every row.
 
@@ -73,6 +76,15 @@ def read_observations(
         What follows ``+-`` is the standard uncertainty.
     sheet : str, optional
         Sheet of a spreadsheet; default: the first with a table.
+    mount_height : float, optional
+        Height of the sensor above the zero of a level [m], where a column holds one (``level_m``,
+        ``reference_level_m``): distance = mount height - level. Default: fitted, where the table has
+        distances, too.
+    reference : path or table, optional
+        Another log that has the reference distances, or levels, at its own times: a tide gauge, a second
+        logger. What `columns` says of a column is said of both logs.
+    reference_join : {"interpolated", "nearest"}
+        How its values come to the times of the rows; see docs/logs.md.
 
     Returns
     -------
@@ -105,8 +117,10 @@ def read_observations(
     # slow import: only reading a table needs pandas
     from echocal.observations.assembly import Assembly
     from echocal.observations.at import conditions_at, sentences
+    from echocal.observations.level import fitted
     from echocal.observations.numbers import Missing
     from echocal.observations.plan import make
+    from echocal.observations.second_log import second_log
     from echocal.observations.source import load
 
     how = ReadOptions(
@@ -121,19 +135,31 @@ def read_observations(
         time_format=time_format,
         at=at,
         sheet=sheet,
+        mount_height=mount_height,
+        reference=reference,
+        reference_join=reference_join,
     )
     table = load(source, how.layout, sheet=sheet)
     codes = Missing(missing)
     stated = conditions_at(how.at, table)
+    asked, spread = how.requests, None
+    joins: dict[str, Join] = {}
+    more: list[str] = []
+    if reference is not None:
+        other = second_log(how, table.columns)
+        asked = how.requests_of(table.columns)
+        table, asked, joins, spread, more = other.added_to(table, asked, how)
     codes.refuse_unknown(table.columns)
-    requests, found, said = understood(table, how.requests)
+    requests, found, said = understood(table, asked)
+    requests, heights = fitted(table, requests, codes)
     planned = make(list(table.columns), requests, how.trust)
     trusted = {*how.trust, *found.sure}
     assembly = Assembly(table, planned, codes, trusted, time_zone, time_format=time_format)
-    assembly.notes += [*found.notes, *said]
+    assembly.notes += [*found.notes, *said, *more, *heights]
     assembly.mark_corrupt(found.corrupt)
     observations = assembly.observations(reading_speed)
-    observations = _with_joins(observations, found.joined)
+    observations = replace(observations, mount_height_fitted=bool(heights), reference_join_uncertainty=spread)
+    observations = _with_joins(observations, {**found.joined, **joins})
     if stated:
         observations = replace(observations, stated=stated, notes=(*observations.notes, *sentences(stated)))
     if not observations.usable.all():

@@ -44,7 +44,7 @@ def load(source: Any, layout: Layout | None = None, *, sheet: str | None = None)
     if isinstance(source, TextFile):
         table, where = _file(source, sheet), f"{source.path}"
     else:
-        table, where = _object(source), "the table"
+        table, where = readers.with_dates(_object(source)), "the table"
     refuse_names(table.columns, where)
     table.columns = pd.Index([str(name).strip() for name in table.columns], dtype=object)
     repeated = table.columns[table.columns.duplicated()]
@@ -89,7 +89,7 @@ def refuse_unstreamed(file: TextFile) -> None:
 
 def _file(file: TextFile, sheet: str | None) -> pd.DataFrame:
     if file.is_parquet:
-        return _index_as_columns(to_pandas(read_parquet(file.path)[0]))
+        return readers.with_dates(_index_as_columns(to_pandas(read_parquet(file.path)[0])))
     table = readers.read(file, sheet)
     return readers.tidy(text.read(file) if table is None else table)
 

@@ -64,6 +64,13 @@ class Observations(Shown):
     joined : mapping of str to Join
         How values that were recorded at other times than the rows came to them: by quantity, or by column
         where it holds none.
+    mount_height : float or None
+        Height of the sensor above the zero of the levels of the source [m], by which they became distances;
+        None where the source has distances.
+    mount_height_fitted : bool
+        Whether the user did not state it: then its error is a zero error.
+    reference_join_uncertainty : float or None
+        Standard uncertainty of a reference distance by its join from another log [m]; None without one.
     refused : mapping of str to str
         By quantity, why its column looks as if it were in another unit. Only a table that is read
         with everything trusted has such columns, for a diagnosis to find a fault that explains them.
@@ -95,6 +102,9 @@ class Observations(Shown):
     notes: tuple[str, ...] = ()
     stated: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     joined: Mapping[str, Join] = field(default_factory=dict, repr=False)
+    mount_height: float | None = None
+    mount_height_fitted: bool = False
+    reference_join_uncertainty: float | None = None
     refused: Mapping[str, str] = field(default_factory=dict, repr=False)
 
     def __len__(self) -> int:

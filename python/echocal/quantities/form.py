@@ -36,6 +36,10 @@ class Form:
     """Whether it is a further column, no quantity, where another form holds the quantity."""
     several: bool = field(default=False, kw_only=True)
     """Whether a table may have several such columns; each keeps its name."""
+    level: bool = field(default=False, kw_only=True)
+    """Whether it rises where the distance falls: distance = mount height - level."""
+    mount_height: float | None = field(default=None, kw_only=True)
+    """Of a level: height of the sensor above its zero [m]; None where it is not known yet."""
     error_codes: Mapping[str, tuple[float, ...]] = field(default_factory=dict, kw_only=True)
     """Values that sensors write where they have none, by unit of the column."""
 

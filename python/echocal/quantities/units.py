@@ -51,6 +51,16 @@ class Unit:
         """Convert a value in SI to this unit."""
         return value * self.denominator / self.numerator + self.zero
 
+    def below(self, height: float) -> "Unit":
+        """The same unit for values that are counted upward to a height [m], below which SI counts.
+
+        Examples
+        --------
+        >>> Unit(1, 100).below(2.6).to_si(120.0)
+        1.4
+        """
+        return replace(self, numerator=-self.numerator, zero=height * self.denominator / self.numerator)
+
     @property
     def is_si(self) -> bool:
         """Whether values of this unit are values in SI."""

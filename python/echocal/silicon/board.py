@@ -1,5 +1,6 @@
 """A core, its compiler, and the simulator that plays it."""
 
+import re
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -10,6 +11,7 @@ from typing import Any, Protocol
 from echocal.silicon.tools import absent, compiler_version, run
 
 HERE = Path(__file__).parent
+DEFAULT = "echocal"
 STRICT = ("-Wall", "-Wextra", "-Wconversion", "-Wsign-conversion", "-Wshadow", "-pedantic", "-Werror")
 MODE = ("-std=c99", "-ffreestanding", "-ffunction-sections", "-fstack-usage")
 
@@ -73,12 +75,16 @@ class Board(ABC):
 
     def compile(self, made: Generated, folder: Path, options: str, *, strict: bool = True) -> Path:
         """Return the object file, compiled without a warning if `strict`."""
+        name = called(made)
+        source = folder / f"{name}_correction.c"
         for path, text in made.files.items():
-            if path.endswith(("echocal_correction.c", "echocal_correction.h")):
+            if path.endswith((source.name, f"{name}_correction.h")):
                 (folder / Path(path).name).write_text(text, encoding="utf-8")
+        if name != DEFAULT:
+            header = (folder / f"{name}_correction.h").read_text(encoding="utf-8")
+            (folder / f"{DEFAULT}_correction.h").write_text(_alias(name, header), encoding="utf-8")
         out = folder / f"{self.name}{options.replace(' ', '')}.o"
         warnings = STRICT if strict else ("-w",)
-        source = folder / "echocal_correction.c"
         run(self.compiler, *self.flags, *MODE, *warnings, *options.split(), "-c", source, "-o", out)
         return out
 
@@ -87,9 +93,9 @@ class Board(ABC):
         words = run(self.compiler.replace("gcc", "size"), linked).splitlines()[1].split()
         return dict(zip(("text", "data", "bss"), map(int, words), strict=False))
 
-    def own(self, linked: Path) -> int:
+    def own(self, linked: Path, name: str = DEFAULT) -> int:
         """Return bytes of the function and its tables, all of which are named alike."""
-        return sum(size for size, _, name in self._symbols(linked) if name.startswith("echocal_"))
+        return sum(size for size, _, symbol in self._symbols(linked) if symbol.startswith(f"{name}_"))
 
     def variables(self, linked: Path) -> int:
         """Return bytes of variables; a linker's section may be longer, by what aligns its end."""
@@ -116,9 +122,21 @@ def axes(made: Generated) -> list[tuple[int, int]]:
     return [(axis["minimum"], axis["maximum"]) for axis in codes]
 
 
+def called(made: Generated) -> str:
+    """Return what the names of the files and functions begin with."""
+    return str(made.report.get("name", DEFAULT))
+
+
+def _alias(name: str, header: str) -> str:
+    """Return a header that gives the macros of another their usual names, by which board.c knows them."""
+    macros = re.findall(rf"^#define {name.upper()}_(\w+)", header, re.MULTILINE)
+    lines = [f"#define {DEFAULT.upper()}_{macro} {name.upper()}_{macro}" for macro in macros]
+    return "\n".join([f'#include "{name}_correction.h"', *lines, ""])
+
+
 def function(made: Generated) -> str:
     """Return the name of the function."""
-    return f"echocal_distance_{made.report['device'].get('output', {'unit': 'um'})['unit']}"
+    return f"{called(made)}_distance_{made.report['device'].get('output', {'unit': 'um'})['unit']}"
 
 
 def definitions(made: Generated) -> tuple[str, str]:

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from echocal.errors import UsageError
-from echocal.silicon.board import Board, Generated, function
+from echocal.silicon.board import Board, Generated, called, function
 from echocal.silicon.cores import CORES
 
 __all__ = ["Measurement", "measure", "missing", "output_hash"]
@@ -128,7 +128,7 @@ def measure(
     with tempfile.TemporaryDirectory(prefix="echocal-") as name:
         thing = board.compile(made, Path(name), options, strict=strict)
         linked = board.link(thing, function(made), *library)
-        whole, own, ram = board.sizes(linked), board.own(linked), board.variables(linked)
+        whole, own, ram = board.sizes(linked), board.own(linked, called(made)), board.variables(linked)
         calls = board.calls(thing, made, *library)
     counted = "cycles" if board.counts_cycles else "instructions"
     steps: Mapping[str, int] = {counted: calls.most, f"fewest_{counted}": calls.fewest}

@@ -11,6 +11,7 @@ from echocal.correct.needed import refuse_no_model
 from echocal.errors import DataError, UsageError
 from echocal.model import Model
 from echocal.observations.given import READ_OPTIONS, refuse_keywords
+from echocal.observations.mount import is_level
 from echocal.observations.options import ReadOptions
 from echocal.watch.events import Event
 from echocal.watch.fleet import Fleet
@@ -117,6 +118,9 @@ def watch(
         )
         raise UsageError(message)
     how = ReadOptions(**options)
+    if any(is_level(name, own) for name, own in how.requests.items()):
+        message = "watch corrects distances, and a column holds a level: give it the distance, height - level"
+        raise UsageError(message)
     kept = State(None if state is None else Path(state))
     fleet = Fleet(
         models_of(model, None if models is None else Path(models)),

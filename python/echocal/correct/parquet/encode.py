@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from echocal.correct.parquet import footer as f
 from echocal.correct.parquet.thrift import Struct
-from echocal.correct.results import DISTANCE, RESULTS, STATUS, UNCERTAINTY, UNUSABLE
+from echocal.correct.results import DISTANCE, LEVEL, RESULTS, STATUS, UNCERTAINTY, UNUSABLE, results
 from echocal.correct.rows import Rows
 from echocal.observations.arrow import arrow
 
@@ -33,17 +33,17 @@ class Encoded:
         return Encoded(self.rows + other.rows, [_joined(one, two) for one, two in pairs])
 
 
-def result_fields() -> list[Any]:
+def result_fields(first: str) -> list[Any]:
     """Fields of the results in Arrow."""
     pa = arrow()
     text = pa.dictionary(pa.int16(), pa.string())
-    kinds = {DISTANCE: pa.float64(), UNCERTAINTY: pa.float32(), STATUS: text, UNUSABLE: text}
-    return [pa.field(name, kinds[name]) for name in RESULTS]
+    kinds = {first: pa.float64(), UNCERTAINTY: pa.float32(), STATUS: text, UNUSABLE: text}
+    return [pa.field(name, kinds[name]) for name in results(first)]
 
 
-def result_elements() -> list[Struct]:
+def result_elements(first: str) -> list[Struct]:
     """Elements of the results in the schema of a file."""
-    nothing = Rows(np.zeros(0), np.zeros(0, np.float32), np.zeros(0, np.int16), ("",), (False,), ())
+    nothing = Rows(np.zeros(0), np.zeros(0, np.float32), np.zeros(0, np.int16), ("",), (False,), (), first)
     footer, _ = _written(columns_of(nothing), [0], "NONE", whole=True)
     return list(footer.struct[f.SCHEMA][1][1][1:])
 
@@ -65,7 +65,9 @@ def encode(rows: Rows, sizes: Sequence[int], codec: str, *, whole: bool) -> list
     found = _encoded(columns, sizes, codec, whole=whole)
     repeated = [_of_constant(constant, size, codec, whole) for size in sizes]
     each = zip(sizes, found, repeated, strict=True)
-    return [Encoded(size, [{**own, **same}[name] for name in RESULTS]) for size, own, same in each]
+    return [
+        Encoded(size, [{**own, **same}[name] for name in results(rows.first)]) for size, own, same in each
+    ]
 
 
 def _constants(rows: Rows) -> tuple[str, ...]:
@@ -107,13 +109,14 @@ def _written(
     columns: Mapping[str, Any], sizes: Sequence[int], codec: str, *, whole: bool
 ) -> tuple[f.Footer, bytes]:
     pa = arrow()
-    fields = [field for field in result_fields() if field.name in columns]
+    first = LEVEL if LEVEL in columns else DISTANCE
+    fields = [field for field in result_fields(first) if field.name in columns]
     table = pa.table(dict(columns), schema=pa.schema(fields))
     sink = pa.BufferOutputStream()
     options = {
         "compression": codec,
         "use_dictionary": [name for name in (STATUS, UNUSABLE) if name in columns] if whole else False,
-        "column_encoding": {name: _SPLIT for name in (DISTANCE, UNCERTAINTY) if name in columns},
+        "column_encoding": {name: _SPLIT for name in (first, UNCERTAINTY) if name in columns},
         "write_statistics": whole,
         "store_schema": False,
     }
@@ -131,7 +134,7 @@ def columns_of(rows: Rows) -> dict[str, Any]:
     pa = arrow()
     status = pa.DictionaryArray.from_arrays(pa.array(rows.codes, pa.int16()), pa.array(rows.reasons))
     return {
-        DISTANCE: _numbers(rows.distance),
+        rows.first: _numbers(rows.distance),
         UNCERTAINTY: _numbers(rows.uncertainty),
         STATUS: status,
         UNUSABLE: status,

@@ -102,7 +102,7 @@ def correct_parquet(
             tables = read_pieces(source, opened.file, opened.pieces, corrector.columns)
             made = corrected(tables, corrector, tally, encoded, **around, threads=job.threads)
             with opened_output(out) as target:
-                splice = Splice(raw, footer, target, _kept(footer, job, corrector))
+                splice = Splice(raw, footer, target, _kept(footer, job, corrector), job.reading.first)
                 groups = footer.row_groups
                 for place, results in enumerate(_groups(made, opened.pieces, footer)):
                     splice.add(groups[place], results)

@@ -10,6 +10,7 @@ from echocal.correct.parquet import thrift
 from echocal.correct.parquet.checks import PAGES, check
 from echocal.correct.parquet.encode import Encoded, result_elements, result_fields
 from echocal.correct.parquet.thrift import STRUCT, Struct
+from echocal.correct.results import RESULTS
 from echocal.errors import DataError
 from echocal.observations.arrow import arrow
 
@@ -33,10 +34,15 @@ class Splice:
         The new file, open for writing.
     kept : sequence of Field
         Columns of the source to copy.
+    first : str
+        Name of the first result.
     """
 
-    def __init__(self, source: BinaryIO, footer: f.Footer, out: BinaryIO, kept: Sequence[f.Field]) -> None:
+    def __init__(
+        self, source: BinaryIO, footer: f.Footer, out: BinaryIO, kept: Sequence[f.Field], first: str
+    ) -> None:
         self._source, self._footer, self._out, self._kept = source, footer, out, kept
+        self._first = first
         self._all = len(kept) == len(f.fields_of(footer))
         self._groups: list[Struct] = []
         self._at = out.write(f.MAGIC)
@@ -67,16 +73,16 @@ class Splice:
         struct = dict(self._footer.struct)
         root, *_ = struct[f.SCHEMA][1][1]
         elements = [element for field in self._kept for element in field.elements]
-        fields = len(self._kept) + len(result_fields())
+        fields = len(self._kept) + len(RESULTS)
         root = {**root, f.CHILDREN: (thrift.I32, fields)}
-        struct[f.SCHEMA] = f.structs([root, *elements, *result_elements()])
+        struct[f.SCHEMA] = f.structs([root, *elements, *result_elements(self._first)])
         struct[f.ROW_GROUPS] = f.structs(self._groups)
         pairs = {**self._metadata(key_values), **key_values}
         struct[f.KEY_VALUES] = f.structs([f.key_value(key, value) for key, value in pairs.items()])
         if f.COLUMN_ORDERS in struct:
             orders = struct[f.COLUMN_ORDERS][1][1]
             ours = [orders[leaf] for field in self._kept for leaf in field.leaves]
-            by_type: list[Struct] = [{1: (STRUCT, {})} for _ in result_fields()]
+            by_type: list[Struct] = [{1: (STRUCT, {})} for _ in RESULTS]
             struct[f.COLUMN_ORDERS] = f.structs([*ours, *by_type])
         data = thrift.write(struct)
         self._out.write(data + len(data).to_bytes(4, "little") + f.MAGIC)
@@ -139,7 +145,7 @@ class Splice:
         own = dict(self._footer.key_values)
         if _STORED in own:
             names = None if self._all else [field.name for field in self._kept]
-            own[_STORED] = _with_results(own[_STORED], names, more)
+            own[_STORED] = _with_results(own[_STORED], names, more, self._first)
         if not self._all:
             own.pop(_PANDAS, None)  # names columns that are left out
         return labels_as_text(own) or {}
@@ -156,7 +162,9 @@ def _moved(chunk: Struct, shift: int) -> Struct:
     return {**kept, f.FILE_OFFSET: f.whole(0), f.META: (chunk[f.META][0], meta)}
 
 
-def _with_results(stored: bytes, names: Sequence[str] | None, more: Mapping[bytes, bytes]) -> bytes:
+def _with_results(
+    stored: bytes, names: Sequence[str] | None, more: Mapping[bytes, bytes], first: str
+) -> bytes:
     """The schema that Arrow keeps, with the results; of its columns only some, if they are named."""
     pa = arrow()
     try:
@@ -167,5 +175,5 @@ def _with_results(stored: bytes, names: Sequence[str] | None, more: Mapping[byte
     kept = labels_as_text({**(schema.metadata or {}), **more}) or {}
     if names is not None:
         kept.pop(_PANDAS, None)
-    new = pa.schema([*fields, *result_fields()], metadata=kept)
+    new = pa.schema([*fields, *result_fields(first)], metadata=kept)
     return base64.b64encode(new.serialize().to_pybytes())

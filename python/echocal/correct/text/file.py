@@ -143,7 +143,7 @@ def correct_text(
         file.write(source.mark)
         if job.spreadsheet_safe:
             header = text.parser.line_without_formulas(header)
-        names = above + header_with_results(header, separator) + end
+        names = above + header_with_results(header, separator, job.reading.first) + end
         file.write((names + with_empty(units, separator)).encode())
 
         def written(block: Block, lines: Lines, rows: Rows) -> tuple[int, bytes | memoryview]:

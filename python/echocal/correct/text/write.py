@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from echocal.correct.results import RESULTS
+from echocal.correct.results import RESULTS, results
 from echocal.correct.rows import Rows
 from echocal.correct.text.parse import Lines
 
@@ -15,9 +15,9 @@ _DIGITS = 9  # of a distance [m]: to a nanometer
 _SMALL = 1e-6  # below, numbers have an exponent
 
 
-def header_with_results(header: str, separator: str) -> str:
+def header_with_results(header: str, separator: str, first: str) -> str:
     """The header with the names of the results."""
-    return separator.join((header, *RESULTS))
+    return separator.join((header, *results(first)))
 
 
 def with_empty(lines: Sequence[str], separator: str) -> str:

@@ -1,9 +1,12 @@
 """Causes as columns: the linear forms of each cause that competes."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from zlib import crc32
+
+import numpy as np
+from numpy.typing import NDArray
 
 from echocal import _core
 from echocal.diagnose.candidates.columns import Columns
@@ -89,6 +92,16 @@ class Candidates:
     steps: tuple[int, ...] = ()
     slow_air: tuple[int, ...] = ()
     systematic: tuple[tuple[int, float], ...] = ()
+
+    def average(self, cause: str, segment: NDArray[np.int64]) -> None:
+        """Let each column of a cause have the mean of its segment in every row."""
+        rows = np.bincount(segment)
+        for at, variant in enumerate(self.variants):
+            if variant.cause == cause:
+                means = (np.bincount(segment, self.columns[column]) / rows for column in variant.free)
+                self.variants[at] = replace(
+                    variant, free=tuple(self.columns.store(mean[segment]) for mean in means)
+                )
 
     @property
     def competing(self) -> int:

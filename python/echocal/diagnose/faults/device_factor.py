@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from echocal.concise import concise
 from echocal.diagnose.faults.common.fault import Fault, Found
 from echocal.diagnose.faults.common.ratio import log_free, log_usual
 from echocal.diagnose.faults.common.repair import divided
@@ -85,7 +86,7 @@ def detect(view: View, _: object, settings: FaultSettings) -> Found | None:
     found = lines[int(likely.argmax())]
     because = (
         f"readings are {found.factor:.2f} times the reference distance, at all distances "
-        f"({found.factor:.4f} +/- {found.uncertainty:.1g}); the rest of the diagnosis divides them by that"
+        f"({concise(found.factor, found.uncertainty)}); the rest of the diagnosis divides them by that"
     )
     every = np.ones(len(view), dtype=bool)
     repaired = divided(view, every, FACTS.id, found.factor)

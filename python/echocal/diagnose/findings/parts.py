@@ -71,6 +71,11 @@ class Cause:
         Why the cause is not named although it is probable; else empty.
     probability_alone : float or None
         Of this cause without those that the data cannot separate from it. None for noises and faults.
+    contribution_m : float or None
+        The most that it adds to a reading of these rows, up or down [m]; where the distance is not known,
+        beside its mean. None for noises and faults.
+    matters : bool
+        Whether this is as much as the user minds. What matters is told; it decides no probability.
     """
 
     id: str
@@ -82,6 +87,8 @@ class Cause:
     in_model: bool = True
     doubt: str = ""
     probability_alone: float | None = None
+    contribution_m: float | None = None
+    matters: bool = True
 
 
 @dataclass(frozen=True)
@@ -373,6 +380,8 @@ class Traces:
         Held-out rows, which take no part in any fit; all False in a cross-validation.
     against : mapping of str to ndarray
         Recorded columns by name, in SI units.
+    begin : datetime64, optional
+        The instant (UTC) that the column `time` counts from; None where the table has no dates.
     """
 
     row: NDArray[np.int64]
@@ -380,3 +389,4 @@ class Traces:
     after: Column
     held_out: NDArray[np.bool_]
     against: Mapping[str, Column]
+    begin: np.datetime64 | None = None

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from echocal.concise import concise, decimal
 from echocal.diagnose.findings.parts import Shifted
 from echocal.observations.quantiles import median, quantiles
 from echocal.quantities import BY_COLUMN, QUANTITIES
@@ -20,6 +21,7 @@ __all__ = [
     "readable",
     "shifted_text",
     "shown",
+    "size_text",
     "spoken",
     "tendency",
 ]
@@ -47,7 +49,7 @@ def enumerated(names: Sequence[str]) -> str:
 def quantity_text(name: str, value: float) -> str:
     """``18.3 degC``, ``64 %``: a value as people read it."""
     unit, factor = _SHOWN.get(name, ("", 1.0))
-    return f"{value * factor:.3g} {unit}".strip()
+    return f"{decimal(value * factor)} {unit}".strip()
 
 
 def shifted_text(one: Shifted) -> str:
@@ -61,11 +63,14 @@ def shifted_text(one: Shifted) -> str:
 
 
 def parameter_text(name: str, value: float, uncertainty: float, unit: str) -> str:
-    """``delay = 31.0 +/- 0.8 us``; without uncertainty where theory fixes the value."""
+    """``delay = 31.0(8) us``; without uncertainty where theory fixes the value."""
+    return f"{name} = {size_text(value, uncertainty, unit)}"
+
+
+def size_text(value: float, uncertainty: float, unit: str) -> str:
+    """``31.0(8) us``: a value in SI units with its standard uncertainty, as people read it."""
     factor, shown = readable(max(abs(value), uncertainty), unit)
-    if uncertainty == 0.0:
-        return f"{name} = {value * factor:g} {shown}".rstrip()
-    return f"{name} = {value * factor:.4g} +/- {uncertainty * factor:.2g} {shown}".rstrip()
+    return concise(value * factor, uncertainty * factor, shown)
 
 
 def readable(value: float, unit: str) -> tuple[float, str]:

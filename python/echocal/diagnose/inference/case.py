@@ -55,6 +55,8 @@ class Case:
         without them, the table is not.
     remarks : tuple of str
         Sentences for the user on what was done to the residual.
+    moving : str
+        What to say where the target moved although its distance is said to be constant; else empty.
     """
 
     table: Table
@@ -72,6 +74,7 @@ class Case:
     probable: tuple[Noise, ...] | None = None
     offsets: NDArray[np.float64] | None = None
     remarks: tuple[str, ...] = ()
+    moving: str = ""
 
     @cached_property
     def row_folds(self) -> Folds:

@@ -1,5 +1,8 @@
 """Build the columns of every candidate, and pass over the rows once."""
 
+from collections.abc import Mapping
+from types import MappingProxyType
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -36,12 +39,14 @@ def examine(
     settings: Settings,
     offsets: Column | None = None,
     steps: Labels | None = None,
+    averaged: Mapping[str, Labels] = MappingProxyType({}),
 ) -> Case:
     """Build the columns and pass over them once.
 
     The residual is that of docs/method.md, Eq. 1; the columns are those of Eq. 2. `offsets` are those of
     placements that a noise explains [m]; docs/method/noises.md, Eq. 18a subtracts them from the residual.
     `steps` are positions of rows at which the level may change: each has a column, which is no cause.
+    `averaged` has the segments in which an effect has no more than its mean, by id.
     """
     residual = table.indication - base.expected(table.distance(base.model()), table.conditions)
     if offsets is not None:
@@ -53,6 +58,8 @@ def examine(
     if steps is not None:
         found.steps = _step_columns(found, table, steps, settings.rows.step_height)
     effect_candidates(found, scene)
+    for cause, segment in averaged.items():
+        found.average(cause, segment)
     found.systematic = systematic_columns(found, scene)
     order, rows = table.order, np.flatnonzero(folds.fit[folds.blocks])
     found.aside = set_aside(scene, order, table.known, table.extra, rows, len(found.columns))

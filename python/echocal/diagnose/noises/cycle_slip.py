@@ -234,4 +234,11 @@ def draw(table: Columns, random: np.random.Generator) -> None:
     table["reading_m"] += missed * 0.5 * (331.4 + 0.6 * table["temperature_C"]) * PERIOD
 
 
-NOISE = FittedNoise(facts=FACTS, draw=draw, fit=fit, offsets=missed, thresholds=Thresholds())
+NOISE = FittedNoise(
+    facts=FACTS,
+    draw=draw,
+    fit=fit,
+    offsets=missed,
+    in_steps=("amplitude_walk",),
+    thresholds=Thresholds(),
+)

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from echocal.concise import percent
 from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
 from echocal.diagnose.findings.finding import Finding
 from echocal.diagnose.findings.parts import Parameter
@@ -53,7 +54,7 @@ def detect(view: View, settings: NoiseSettings) -> Finding | None:
     kind = "cut off: half a step is added" if cut else "rounded"
     because = (
         f"{_multiples(grid, observations.reading[view.good])} {1e3 * step:.4g} mm, {kind}; the step "
-        f"makes {100 * share:.2g} % of the variance of the noise"
+        f"makes {percent(share)} of the variance of the noise"
     )
     parameters = (Parameter("step", step, 0.0, "m"), Parameter("cut", float(cut), 0.0, "1"))
     repaired = None

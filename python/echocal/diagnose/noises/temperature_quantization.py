@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from echocal.concise import percent
 from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
 from echocal.diagnose.findings.finding import Finding
 from echocal.diagnose.findings.parts import Parameter
@@ -56,7 +57,7 @@ def detect(view: View, settings: NoiseSettings) -> Finding | None:
     share = variance / max(view.scatter**2, variance)
     because = (
         f"all {grid.distinct} different temperatures are multiples of {grid.step:.4g} K, moving "
-        f"the reading by {1e3 * np.sqrt(variance):.2g} mm (rms): {100 * share:.2g} % of the variance of noise"
+        f"the reading by {1e3 * np.sqrt(variance):.2g} mm (rms): {percent(share)} of the variance of noise"
     )
     parameters = (Parameter("step", grid.step, 0.0, "K"),)
     return Finding(

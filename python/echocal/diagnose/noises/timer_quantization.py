@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from echocal.concise import percent
 from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
 from echocal.diagnose.findings.finding import Finding
 from echocal.diagnose.findings.parts import Parameter
@@ -40,7 +41,7 @@ def detect(view: View, settings: NoiseSettings) -> Finding | None:
     share = step**2 / 12 / max(view.scatter**2, step**2 / 12)
     because = (
         f"all {grid.distinct} different echo times are multiples of {1e6 * grid.step:.4g} us, "
-        f"{1e3 * step:.3g} mm; the tick makes {100 * share:.2g} % of the variance of the noise"
+        f"{1e3 * step:.3g} mm; the tick makes {percent(share)} of the variance of the noise"
     )
     parameters = (Parameter("step", grid.step, 0.0, "s"),)
     return Finding(

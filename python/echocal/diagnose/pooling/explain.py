@@ -2,11 +2,12 @@
 
 from collections.abc import Sequence
 
+from echocal.concise import decimal
 from echocal.diagnose.catalogue import find_cause
 from echocal.diagnose.findings.parts import Parameter
-from echocal.diagnose.findings.sentences import enumerated, parameter_text
+from echocal.diagnose.findings.sentences import enumerated, parameter_text, readable, size_text
 from echocal.diagnose.pooling.outcome import PooledOutcome
-from echocal.diagnose.pooling.parts import InTable, PooledCause
+from echocal.diagnose.pooling.parts import InTable, PooledCause, PooledParameter
 from echocal.diagnose.results.explain import probability_text
 
 __all__ = [
@@ -65,20 +66,20 @@ def sizes_text(cause: PooledCause) -> str:
     for p in cause.parameters:
         text = parameter_text(p.name, p.value, p.standard_uncertainty, p.unit)
         if p.standard_uncertainty > 0.0:
-            between = _quantity(p.name, p.value, p.between_tables, p.unit).partition("+/- ")[2]
-            text += f" (standard deviation between tables {between})"
+            text += f" (standard deviation between tables {_spread(p)})"
         texts.append(text)
     return ", ".join(texts)
 
 
 def short_sizes(parameters: tuple[Parameter, ...]) -> str:
-    """Sizes that are not fixed, without their names: ``80.2 +/- 4 us``."""
+    """Sizes that are not fixed, without their names: ``80(4) us``."""
     free = (p for p in parameters if p.standard_uncertainty > 0.0)
-    return ", ".join(_quantity(p.name, p.value, p.standard_uncertainty, p.unit) for p in free)
+    return ", ".join(size_text(p.value, p.standard_uncertainty, p.unit) for p in free)
 
 
-def _quantity(name: str, value: float, uncertainty: float, unit: str) -> str:
-    return parameter_text(name, value, max(uncertainty, 1e-300), unit).partition(" = ")[2]
+def _spread(size: PooledParameter) -> str:
+    factor, unit = readable(max(abs(size.value), size.between_tables), size.unit)
+    return f"{decimal(size.between_tables * factor, 2)} {unit}".rstrip()
 
 
 def recurrence(tables: Sequence[InTable]) -> str:

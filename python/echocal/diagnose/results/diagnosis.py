@@ -33,6 +33,7 @@ SCHEMA = "echocal.diagnosis/1"
 _TOLD = (
     *("verdict", "causes", "posterior", "credible_set", "unexplained", "smooth", "remainder", "refuted"),
     *("gain", "next_measurements", "rows", "base", "noise", "notes", "settings", "seconds"),
+    *("matters_mm", "matters_because", "good_enough"),
 )
 Column = NDArray[np.float64]
 
@@ -44,7 +45,8 @@ class Diagnosis(Shown, Outcome):
     Its attributes are those of `echocal.diagnose.results.outcome.Outcome`:
     ``verdict``, ``causes``, ``posterior``, ``credible_set``, ``unexplained``, ``refuted``, ``gain``,
     ``next_measurements``, ``rows``, ``base``, ``noise``, ``notes``, ``settings``, ``model``, ``traces``,
-    ``fates``, ``members``, ``seconds``, ``smooth`` and ``remainder``.
+    ``fates``, ``members``, ``seconds``, ``smooth``, ``remainder``, ``matters_mm``, ``matters_because`` and
+    ``good_enough``.
 
     Examples
     --------

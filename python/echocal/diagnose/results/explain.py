@@ -1,5 +1,6 @@
 """A diagnosis in sentences."""
 
+from echocal.concise import decimal
 from echocal.diagnose.candidates.variant import UNKNOWN
 from echocal.diagnose.catalogue import find_cause
 from echocal.diagnose.findings.parts import Cause, Gain, NextMeasurement
@@ -9,19 +10,24 @@ from echocal.diagnose.results.outcome import Outcome
 from echocal.diagnose.results.smooth import remainder_text, smooth_text
 
 __all__ = [
+    "EVEN",
     "class_texts",
     "explain",
     "further_notes",
+    "good_enough_text",
     "lead",
+    "minor_text",
+    "mm_text",
     "parameter_text",
     "place_text",
     "probability_text",
     "proposal_text",
+    "rivals_of",
     "without_a_cause",
 ]
 
 _SHOWN = 6  # causes named in one proposal
-_EVEN = 0.5  # a member of a class that is less probable alone is no headline
+EVEN = 0.5  # a member of a class that is less probable alone is no headline
 _ONE_OF = "one of "
 _OUTSIDE = "an effect outside the catalogue"
 _NO_SHIFT = "no cause that shifts the readings"
@@ -44,6 +50,8 @@ def explain(diagnosis: Outcome) -> str:
 
 def lead(diagnosis: Outcome) -> str:
     """The verdict in one to three sentences, without the last period."""
+    if diagnosis.good_enough:
+        return f"The base is good enough: {good_enough_text(diagnosis)}"
     if diagnosis.verdict == "nothing":
         slow = any(c.id in listed_only() and c.indistinguishable_from for c in diagnosis.causes)
         either = f". Either the noise is autocorrelated, or {_OUTSIDE} changes as slowly as such noise"
@@ -53,9 +61,9 @@ def lead(diagnosis: Outcome) -> str:
     if diagnosis.verdict == "unknown":
         return ". ".join([f"The data show {_OUTSIDE}", *_in_the_model(diagnosis)])
     if diagnosis.verdict == "ambiguous":
-        return f"The data show an effect. {_left_open(diagnosis)}"
+        return _left_open(diagnosis)
     named = [c for c in diagnosis.causes if c.probability >= diagnosis.settings.claims.named and not c.doubt]
-    named = [c for c in named if c.id not in listed_only()]
+    named = [c for c in named if c.id not in listed_only() and c.matters]
     effects = [_class(cause) for cause in named if cause.kind == "effect" and cause.in_model]
     shifting = f"the cause{'s' * (len(effects) > 1)} {enumerated(effects)}" if effects else _NO_SHIFT
     if len(effects) == 1 and effects[0].startswith(_ONE_OF):
@@ -76,8 +84,43 @@ def _in_the_model(diagnosis: Outcome) -> list[str]:
     modeled = [cause for cause in diagnosis.causes if cause.kind == "effect" and cause.in_model]
     if not modeled:
         return []
-    each = enumerated([f"{_class(cause)}, probability {cause.probability:.2f}" for cause in modeled])
-    return [f"The model has {each}, which {'are' if len(modeled) > 1 else 'is'} not named"]
+    least = diagnosis.settings.claims.named
+    each = [f"{_class(c)} ({_short_of_a_name(c, least)})" for c in modeled]
+    return [f"The model has {enumerated(each)}, which may act"]
+
+
+def _short_of_a_name(cause: Cause, least: float) -> str:
+    """Why an effect of the model has no name."""
+    probability = f"probability {cause.probability:.2f}"
+    why = "in doubt" if cause.probability >= least else f"a name needs {least:g}"
+    return f"{probability}, {why}"
+
+
+def good_enough_text(diagnosis: Outcome) -> str:
+    """That what was found is too small to matter, by how much, and what would matter."""
+    effects = [cause for cause in diagnosis.causes if cause.kind == "effect"]
+    sizes = [cause.contribution_m or 0.0 for cause in effects if cause.in_model]
+    most = sum(sizes) or max([c.contribution_m or 0.0 for c in effects], default=0.0)
+    what = enumerated([cause.id for cause in effects]) if effects else "what the data show"
+    together = " together" if len(sizes) > 1 else ""
+    return (
+        f"{what}{together} {'change' if len(effects) > 1 else 'changes'} no reading "
+        f"by more than {mm_text(most)}, and less than {decimal(diagnosis.matters_mm)} mm does not matter "
+        f"({diagnosis.matters_because})"
+    )
+
+
+def mm_text(meters: float) -> str:
+    """``0.04 mm``: a length that a person compares with another one."""
+    return f"{decimal(1e3 * meters, 2)} mm"
+
+
+def minor_text(cause: Cause) -> str:
+    """An effect that is too small to matter, in one line."""
+    size = mm_text(cause.contribution_m or 0.0)
+    return (
+        f"{cause.id} changes no reading by more than {size}: it does not matter ({probability_text(cause)})"
+    )
 
 
 def without_a_cause(diagnosis: Outcome) -> list[str]:
@@ -105,6 +148,16 @@ def _questions(cause: Cause) -> str:
 
 
 def _left_open(diagnosis: Outcome) -> str:
+    """What an ambiguous verdict leaves open."""
+    least = diagnosis.settings.claims.named
+    open_ = [cause for cause in diagnosis.causes if cause.probability < least or cause.kind == "effect"]
+    if open_ and not diagnosis.refuted and all(cause.kind != "effect" for cause in open_):
+        each = [f"{c.id} on {_ACTS_ON[c.kind]} (probability {c.probability:.2f})" for c in open_]
+        return f"The data may show {enumerated(each)}; a name needs {least:g}"
+    return f"The data show an effect. {_effect_left_open(diagnosis)}"
+
+
+def _effect_left_open(diagnosis: Outcome) -> str:
     if any(cause.doubt for cause in diagnosis.causes):
         model = _in_the_model(diagnosis)
         return model[0] if model else "Causes fit it, but their gain may be chance, so the model is the base"
@@ -139,7 +192,7 @@ def _class(cause: Cause) -> str:
     rivals = rivals_of(cause)
     if not rivals:
         return cause.id
-    if len(rivals) > 1 and cause.probability_alone is not None and cause.probability_alone < _EVEN:
+    if len(rivals) > 1 and cause.probability_alone is not None and cause.probability_alone < EVEN:
         return f"{_ONE_OF}{1 + len(rivals)} similar causes ({cause.id} in the model)"
     return f"{cause.id} (or {rivals[0] if len(rivals) == 1 else f'one of {len(rivals)} similar causes'})"
 
@@ -157,6 +210,8 @@ def _cause(cause: Cause) -> list[str]:
     )
     rivals = rivals_of(cause)
     what = f"{place_text(cause).capitalize()}{cause.id}, {sizes} ({probability_text(cause)})"
+    if not cause.matters:
+        return [f"{place_text(cause).capitalize()}{minor_text(cause)}."]
     lines = [
         f"{what}: {find_cause(cause.id).sentence}",
         f"  You can check it: {cause.because}.",

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from echocal.concise import concise
 from echocal.diagnose.findings.parts import Refuted
 from echocal.diagnose.findings.sentences import enumerated
 from echocal.diagnose.inference.case import Case
@@ -33,7 +34,7 @@ def notes(
     steps: Sequence[LevelStep],
 ) -> tuple[str, ...]:
     """Tension with theory, refuted claims, level steps, and what these data cannot show."""
-    said = [*observations.notes, *case.remarks]
+    said = [case.moving, *observations.notes, *case.remarks]
     said += [_tension(case, cause, validation, stack) for cause in case.found.size_tangents]
     said += _temperature(validation)
     hidden = [cause for cause, reason in case.found.skipped.items() if reason == INVISIBLE]
@@ -49,6 +50,7 @@ def notes(
             f"the model includes {passing} for this campaign only. For other campaigns, leave it out "
             f"(Model.transferable, {command_line('correct', transferable=True)})"
         )
+    said.append(_reference_join(observations, validation))
     if steps:
         at = "; ".join(str(step) for step in steps[:_SHOWN])
         more = f"; and {len(steps) - _SHOWN} more" if len(steps) > _SHOWN else ""
@@ -68,6 +70,20 @@ def notes(
             "these data cannot separate the two"
         )
     return tuple(text for text in said if text)
+
+
+def _reference_join(observations: Observations, validation: Validation) -> str:
+    """What the join of a reference from another log does to the errors of the readings."""
+    u, left = observations.reference_join_uncertainty, validation.gain.rms_after_m
+    if not u or left is None or "reference_distance" not in observations.joined:
+        return ""
+    part = min(1.0, (u / left) ** 2)
+    clocks = "two clocks that differ look like an error wherever the reference changes with time"
+    return (
+        f"the reference is {observations.joined['reference_distance']}: its standard uncertainty of "
+        f"{1e3 * u:.2g} mm makes up to {100 * part:.0f} % of the variance of the errors ({1e3 * left:.2g} mm "
+        f"RMS), which are no errors of the sensor; {clocks}"
+    )
 
 
 def _both(case: Case, observations: Observations) -> list[str]:
@@ -138,7 +154,7 @@ def _tension(case: Case, cause: str, validation: Validation, stack: Stack) -> st
     claimed = cause in [c.cause for c in validation.claims]
     known = case.found.size_tangents[cause][1]
     size, uncertainty = free_size(cause, case.found, validation.fit.hypothesis, stack)
-    found = f"{size:.2f} +/- {uncertainty:.2f}"
+    found = concise(size, uncertainty)
     if uncertainty > 0.5 * abs(known):
         return "" if claimed else f"these rows cannot show {cause}: its size, if fitted, is {found}"
     if claimed and abs(size - known) <= _TENSION * uncertainty:

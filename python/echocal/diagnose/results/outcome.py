@@ -66,6 +66,12 @@ class Outcome:
         if none was tried.
     remainder : Remainder or None
         What is known where the columns could lower the error by far, but nothing is claimed for it.
+    matters_mm : float
+        The difference of a reading from which on it matters [mm].
+    matters_because : str
+        Where this difference comes from.
+    good_enough : bool
+        Whether the data show effects, and all of them together change a reading by less than this.
     """
 
     verdict: Verdict
@@ -88,3 +94,6 @@ class Outcome:
     seconds: float = 0.0
     smooth: SmoothCorrection | None = None
     remainder: Remainder | None = None
+    matters_mm: float = 0.0
+    matters_because: str = ""
+    good_enough: bool = False

@@ -22,6 +22,7 @@ from echocal.diagnose.findings.sentences import Recorded
 from echocal.diagnose.inference.case import Case
 from echocal.diagnose.inference.hypothesis import Stack
 from echocal.diagnose.inference.posterior import Inference
+from echocal.diagnose.matters import Matters, contribution
 from echocal.diagnose.preprocess.table import Table
 from echocal.diagnose.results.because import because
 from echocal.diagnose.results.diagnosis import Diagnosis
@@ -39,6 +40,7 @@ from echocal.diagnose.verdict import credible_set, verdict
 from echocal.errors import DomainWarning
 from echocal.model import Model
 from echocal.observations import Observations
+from echocal.observations.mount import HEIGHT_FITTED, MOUNT_HEIGHT
 from echocal.registry import find_effect
 
 __all__ = ["report"]
@@ -57,24 +59,30 @@ def report(
     left: Remainder | None,
     members: tuple[Member, ...],
     proposals: tuple[NextMeasurement, ...],
+    matters: Matters,
 ) -> Diagnosis:
     """Put the results together."""
-    word = verdict(ranking, selection, validation, joint, left)
+    word = "unknown" if case.moving else verdict(ranking, selection, validation, joint, left)
     term, noise = selection.term, selection.noise
     steps = steps_of(case.table, observations)
     fates = Fates.of(case.table, judge.held)
     causes = _causes(case, inference.reduced, ranking, selection, validation, joint, word)
+    causes = tuple(replace(cause, matters=matters.told(cause)) for cause in causes)
     origin = {**validation.model.provenance, **_origin(causes, word)}
     if observations.reading_speed:
         origin["reading_speed"] = observations.reading_speed
+    if observations.mount_height is not None:
+        origin[MOUNT_HEIGHT] = observations.mount_height
+        origin[HEIGHT_FITTED] = observations.mount_height_fitted
     validation = replace(validation, model=validation.model.with_provenance(origin))
+    unexplained = term and with_its_function(case, term, validation, judge, noise)
     shown = left if term is None and word in ("unknown", "nothing") else None
     return Diagnosis(
         verdict=word,
         causes=causes,
         posterior=tuple(joint.sets.items()),
         credible_set=credible_set(joint.sets.items(), case.settings.claims.credible),
-        unexplained=term and with_its_function(case, term, validation, judge, noise),
+        unexplained=unexplained,
         smooth=smooth,
         remainder=shown,
         refuted=validation.refuted,
@@ -91,9 +99,12 @@ def report(
         ),
         settings=case.settings,
         model=validation.model,
-        traces=_traces(case, judge, validation.model),
+        traces=replace(_traces(case, judge, validation.model), begin=_begin(observations)),
         fates=fates,
         members=members,
+        matters_mm=1e3 * matters.difference_m,
+        matters_because=matters.because,
+        good_enough=matters.good_enough(word, causes, unexplained, shown),
     )
 
 
@@ -147,7 +158,10 @@ def _cause(
     text = because(case, claim, validation, recorded)
     text += "".join(f"; the further thermometer is the column {column}" for _, column in claim.variant.bound)
     alone = min(ranking.of([claim.cause]), claim.probability)
-    return Cause(claim.cause, "effect", claim.probability, values, claim.rivals, text, in_model, doubt, alone)
+    most = contribution(case, claim)
+    return Cause(
+        claim.cause, "effect", claim.probability, values, claim.rivals, text, in_model, doubt, alone, most
+    )
 
 
 def _uncertainties(claim: Claim, model: Model | None) -> dict[str, float]:
@@ -226,6 +240,14 @@ def _traces(case: Case, judge: Judge, model: Model) -> Traces:
         return traces
     held, (before, after) = judge.held.rows, (judge.errors(one) for one in (case.base.plain, model))
     return _joined(traces, Traces(held.row, before, after, np.ones(len(held), dtype=bool), held.against()))
+
+
+def _begin(observations: Observations) -> np.datetime64 | None:
+    """The instant that elapsed time counts from."""
+    if observations.time is None or np.isnat(observations.time).all():
+        return None
+    begin: np.datetime64 = np.nanmin(observations.time).astype("datetime64[ms]")
+    return begin
 
 
 def _joined(one: Traces, other: Traces) -> Traces:

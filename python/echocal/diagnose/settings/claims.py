@@ -73,6 +73,13 @@ class ClaimSettings:
         "of 2; on 176 tables of the virtual bench with an ideal detector, 3 of 17 names below it are those "
         "of a planted cause, 44 of 54 above",
     )
+    minor: float = threshold(
+        3e-4,
+        "m",
+        "an effect that adds less to every reading is told in one line, unless the user states another "
+        "difference or the readings have coarser steps; a tenth of the 3 mm that the datasheet of an HC-SR04 "
+        "states as its accuracy, the smallest such figure of the sensors of docs/real-records.md",
+    )
     implausible: float = threshold(
         5.0,
         "prior standard deviations",

@@ -18,6 +18,7 @@ from echocal.observations.limits import LOG_LINE
 from echocal.observations.readers import (
     bursts,
     cell_units,
+    date_pieces,
     esphome,
     json_records,
     line_protocol,
@@ -37,7 +38,7 @@ from echocal.observations.readers import (
 )
 from echocal.observations.readers.stamps import plain
 
-__all__ = ["format_of", "read", "tidy"]
+__all__ = ["format_of", "read", "tidy", "with_dates"]
 
 _FORMATS = (
     nmea,
@@ -51,7 +52,16 @@ _FORMATS = (
     serial_lines,
     white_space,
 )
-_STEPS = (ros.step, cell_units.step, long_tables.step, bursts.step, times.step, unit_names.step, repeats.step)
+_STEPS = (
+    ros.step,
+    cell_units.step,
+    long_tables.step,
+    bursts.step,
+    date_pieces.step,
+    times.step,
+    unit_names.step,
+    repeats.step,
+)
 
 
 _OF_JSON = (json_records, mqtt_lines, messages)
@@ -110,6 +120,12 @@ def tidy(table: pd.DataFrame) -> pd.DataFrame:
         made, found = step(table, found)
         table = keep(made, found)
     return table
+
+
+def with_dates(table: pd.DataFrame) -> pd.DataFrame:
+    """A table of a library with one time, where it has a date in pieces."""
+    made, found = date_pieces.step(table, found_in(table))
+    return table if made is table else keep(made, found)
 
 
 def _form(file: TextFile) -> ModuleType | None:

@@ -11,9 +11,27 @@
  *   effect fixed_delay: delay = 0.000031 s
  *
  * Assumed values of the conditions that the device does not measure:
- *   relative_humidity 0: up to 135.8 mm if it is anywhere in 0 .. 1
- *   pressure 101325 Pa: up to 0.0 mm if it is anywhere in 80000 .. 106000 Pa
- *   co2_mole_fraction 0.0004: up to 1.3 mm if it is anywhere in 0.0003 .. 0.002
+ *   relative_humidity 0: up to 135.9 mm if it is anywhere in 0 .. 1
+ *   pressure 101325 Pa: up to -0.0 mm if it is anywhere in 80000 .. 106000 Pa
+ *   co2_mole_fraction 0.0004: up to 1.4 mm if it is anywhere in 0.0003 .. 0.002
+ *
+ * Expanded uncertainty of an output (95 %, 1.96 standard uncertainties, JCGM 100:2008), at 20 degC or the nearest
+ * accepted temperature:
+ * - at 0.5 m: 1.185 mm
+ * - at 1.0 m: 2.367 mm
+ * - at 2.0 m: 4.736 mm
+ * - at 4.0 m: 9.478 mm
+ * It includes:
+ * - the law published; the model does not state the repeatability of a reading, so the uncertainty is without it
+ * - echo times in steps of 1 us
+ * - temperature in steps of 0.5 degC
+ * - co2_mole_fraction, assumed 0.0004, anywhere in 0.0003 .. 0.002
+ * - pressure, assumed 101325 Pa, anywhere in 80000 .. 106000 Pa
+ * - relative_humidity, assumed 0, anywhere in 0 .. 1
+ * - nothing of the error of the thermometer itself: state it to include it
+ * - the arithmetic, anywhere within 0.0698 mm
+ *
+ * Reach: distances from 0.02 to 4.0 m are accepted in all conditions, from 0.017 to 4.589 m in some.
  *
  * Proven: the outputs for all 4,020,331 accepted inputs were computed and compared with the model.
  * - Error at distances up to 4.0 m (3,743,812 inputs): at most 0.0698 mm (requested: 0.1 mm).
@@ -22,7 +40,7 @@
  *   Worst input: echo_us 25079, temperature_code 43 (21.5 degC).
  * - No intermediate result overflows.
  * - The distance never decreases when the echo time increases.
- * - Hash of all outputs, in order: 0x21c61802.
+ * - Hash of all outputs, in order: 0x1a6aa41761cea99b.
  *
  * Speed factor: polynomial of degree 4 in the temperature code, with adapted coefficients.
  * Memory: 0 bytes of constant tables. No variables of static storage duration.
@@ -42,8 +60,29 @@
 extern "C" {
 #endif
 
-/** Return value for codes outside the accepted ranges. It is never a distance. */
+/** Version of the interface: names, arguments and statuses. */
+#define ECHOCAL_INTERFACE_VERSION (2)
+/** Version of echocal that generated this file. */
+#define ECHOCAL_GENERATOR_VERSION "0.1.0"
+/** SHA-256 of the model, and its first 32 bits. */
+#define ECHOCAL_MODEL_HASH "c375157bc309371f1e63cdbfbf116a4e26733f5583d0813467e2e18390b4834b"
+#define ECHOCAL_MODEL_ID (0xC375157BU)
+
+/** Return value for codes outside the accepted ranges. It is never a distance. echocal_status() tells why. */
 #define ECHOCAL_OUT_OF_RANGE INT32_MIN
+
+/** Return value of echocal_status(): ok. */
+#define ECHOCAL_OK (0U)
+/** Return value of echocal_status(): no echo. */
+#define ECHOCAL_NO_ECHO (1U)
+/** Return value of echocal_status(): too near. */
+#define ECHOCAL_TOO_NEAR (2U)
+/** Return value of echocal_status(): too far. */
+#define ECHOCAL_TOO_FAR (3U)
+/** Return value of echocal_status(): temperature out of range. */
+#define ECHOCAL_TEMPERATURE_OUT_OF_RANGE (4U)
+/** Return value of echocal_status(): humidity out of range. */
+#define ECHOCAL_HUMIDITY_OUT_OF_RANGE (5U)
 
 /** First and last accepted code of echo_us. */
 #define ECHOCAL_ECHO_US_FIRST (118)
@@ -60,6 +99,43 @@ extern "C" {
  * @return distance [um], or ECHOCAL_OUT_OF_RANGE
  */
 int32_t echocal_distance_um(uint16_t echo_us, int16_t temperature_code);
+
+/**
+ * @brief Whether the function accepts the codes, or why not. It takes no memory unless it is called.
+ *
+ * The echo code is checked first.
+ * Echo codes of 35001 or more are no echo: a module without an echo ends its pulse so late.
+ *
+ * @return ECHOCAL_OK if the distance is one; otherwise the first reason, and the distance is ECHOCAL_OUT_OF_RANGE
+ */
+static inline uint8_t echocal_status(uint16_t echo_us, int16_t temperature_code)
+{
+    uint8_t status;
+    if ((echo_us == 0U) || (echo_us >= 35001U)) {
+        status = ECHOCAL_NO_ECHO;
+    } else if (echo_us < 118U) {
+        status = ECHOCAL_TOO_NEAR;
+    } else if (echo_us > 25088U) {
+        status = ECHOCAL_TOO_FAR;
+    } else if ((temperature_code < -40) || (temperature_code > 120)) {
+        status = ECHOCAL_TEMPERATURE_OUT_OF_RANGE;
+    } else {
+        status = ECHOCAL_OK;
+    }
+    return status;
+}
+
+/**
+ * @brief Expanded uncertainty (95 %) of a distance, as stated above, from a line that is nowhere below it.
+ *
+ * @param distance an output that is a distance [um]
+ * @return expanded uncertainty [um]
+ */
+static inline uint32_t echocal_uncertainty_um(int32_t distance)
+{
+    const uint32_t length = (distance > 0) ? (uint32_t)distance : 0U;
+    return 88U + (((((length >> 8) + 1U) * 154U) + 255U) >> 8);
+}
 
 #ifdef __cplusplus
 }

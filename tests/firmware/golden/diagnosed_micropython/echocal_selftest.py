@@ -5,7 +5,7 @@ It reads echocal_golden.csv line by line. Copy that file to the board, too.
 SPDX-License-Identifier: MIT OR Apache-2.0
 """
 
-from echocal_correction import distance_um
+from echocal_correction import distance_um, status
 
 
 def selftest(path="echocal_golden.csv"):
@@ -14,8 +14,8 @@ def selftest(path="echocal_golden.csv"):
     with open(path) as golden:
         golden.readline()
         for line in golden:
-            codes = [int(word) for word in line.split(",")]
-            if distance_um(*codes[:-1]) == codes[-1]:
+            *codes, distance, reason = [int(word) for word in line.split(",")]
+            if distance_um(*codes) == distance and status(*codes) == reason:
                 right += 1
             else:
                 wrong.append(line.strip())

@@ -8,8 +8,9 @@ SPDX-License-Identifier: MIT OR Apache-2.0
 
 import time
 
-from echocal_correction import OUT_OF_RANGE, distance_um
+from echocal_correction import OUT_OF_RANGE, distance_um, status
 
+REASONS = ("ok", "no echo", "too near", "too far", "temperature out of range", "humidity out of range")  # by status
 TEMPERATURE = 20.0  # [degC]
 
 try:
@@ -59,5 +60,5 @@ while True:
     else:
         codes = [length, round((TEMPERATURE - 0.0) / 0.5)]
         distance = distance_um(*codes)
-        print("out of range" if distance == OUT_OF_RANGE else distance)
+        print(REASONS[status(*codes)] if distance == OUT_OF_RANGE else distance)
     time.sleep(0.06)

@@ -74,11 +74,15 @@ class FittedNoise(NoiseEntry):
     offsets : callable or None
         Expected error of each row of the trace [m], for a noise whose mean is not zero: an effect would
         take it up. None where it is not known.
+    in_steps : tuple of str
+        Ids of effects that shift a row by whole steps of this noise. `offsets` has what they vary
+        within a segment.
     """
 
     fit: Callable[[Trace, NoiseSettings], Likelihood | None]
     removes_nuisance: bool = False
     offsets: Callable[[Trace, NoiseSettings], Column | None] | None = None
+    in_steps: tuple[str, ...] = ()
 
 
 def mean_and_spread(values: Matrix, weight: Matrix) -> tuple[float, float]:

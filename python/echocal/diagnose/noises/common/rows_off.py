@@ -73,7 +73,7 @@ def without_rows_off(
             if found is None:
                 return None
             off = found
-            other, inference = without(case, off)
+            other, inference = without(case, off, dict.fromkeys(noise.in_steps, trace.segment))
             best = inference.fits[0]
         return RowsOff(finding, other, inference, noise)
     return None

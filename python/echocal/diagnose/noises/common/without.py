@@ -1,5 +1,7 @@
 """The hypotheses once more, without what a noise adds to the readings."""
 
+from collections.abc import Mapping
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -10,10 +12,16 @@ from echocal.diagnose.inference.posterior import Inference, infer
 __all__ = ["log_evidence", "without"]
 
 
-def without(case: Case, off: NDArray[np.float64]) -> tuple[Case, Inference]:
-    """Subtract what a noise adds to each row [m], and compare the hypotheses on the rest."""
+def without(
+    case: Case, off: NDArray[np.float64], averaged: Mapping[str, NDArray[np.int64]] | None = None
+) -> tuple[Case, Inference]:
+    """Subtract what a noise adds to each row [m], and compare the hypotheses on the rest.
+
+    `averaged` has the segments in which `off` has all that an effect varies, by id.
+    """
     offsets = off if case.offsets is None else off + case.offsets
-    other = examine(case.table, case.base, case.folds, case.seed, case.settings, offsets)
+    given = case.table, case.base, case.folds, case.seed, case.settings
+    other = examine(*given, offsets, averaged=averaged or {})
     return other, infer(other)
 
 

@@ -1,0 +1,97 @@
+"""Conformity of errors with a maximum permissible error, with a guard band: JCGM 106:2012."""
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from echocal.budget.coverage import COVERAGE, conformity_probability, coverage_factor, decided
+from echocal.budget.entries import Itemized, itemized
+from echocal.budget.sources import TAPE
+from echocal.budget.stated import Uncertainties
+from echocal.model import Model
+from echocal.observations import Observations
+from echocal.observations.echoes import DEFAULT_SPEED
+
+__all__ = ["Conformity", "assessed", "budget_of_errors"]
+
+Column = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Conformity:
+    """What a measurement decides about errors, one for each row.
+
+    Attributes
+    ----------
+    error : ndarray, shape (n,)
+        Measured errors [m]; 0 where there is no reference distance.
+    standard_uncertainty : ndarray, shape (n,)
+        Of these errors [m].
+    expanded_uncertainty : ndarray, shape (n,)
+        Width of the guard band [m].
+    decision : ndarray of int, shape (n,)
+        Place in `echocal.budget.coverage.DECISIONS`.
+    probability : ndarray, shape (n,)
+        That the true error is within the bound.
+    bound : float
+        Maximum permissible error [m].
+    """
+
+    error: Column
+    standard_uncertainty: Column
+    expanded_uncertainty: Column
+    decision: NDArray[np.int64]
+    probability: Column
+    bound: float
+
+
+def assessed(error: Column, itemized_error: Itemized, bound: float, coverage: float = COVERAGE) -> Conformity:
+    """Decide about errors with the uncertainty of their own budget.
+
+    Examples
+    --------
+    >>> found = assessed(np.array([1e-3, -4e-3]), Itemized(()), 3e-3)
+    >>> found.decision.tolist(), found.probability.tolist()
+    ([0, 2], [1.0, 0.0])
+    """
+    u, degrees = np.zeros(len(error)), np.full(len(error), np.inf)
+    if itemized_error.entries:
+        u, degrees = itemized_error.standard_uncertainty, itemized_error.degrees_of_freedom
+    expanded = coverage_factor(degrees, coverage) * u
+    probability = conformity_probability(error, u, degrees, bound)
+    return Conformity(error, u, expanded, decided(error, expanded, bound), probability, bound)
+
+
+def budget_of_errors(
+    observations: Observations,
+    model: Model | None,
+    indication: Column,
+    uncertainties: Any,
+    law: str = "linear",
+) -> Itemized:
+    """Budget of errors of indication: only what is stated, for the device and its model are what is examined.
+
+    Parameters
+    ----------
+    observations : Observations, of n rows
+        With reference distances.
+    model : Model or None
+        The model that corrects; None for the indications as they are.
+    indication : ndarray, shape (n,)
+        [m].
+    uncertainties : Uncertainties, or what makes them
+    law : str
+        Law that turns echo times into indications, where the table has no readings and there is no model.
+    """
+    own = uncertainties if isinstance(uncertainties, Uncertainties) else Uncertainties.of(uncertainties)
+    if not own:
+        return Itemized(())
+    bare = model is None and observations.reading is not None
+    corrects = model or Model((observations.reading_speed or DEFAULT_SPEED) if bare else law)
+    found = itemized(observations, corrects, indication, own).only("stated")
+    found.refuse_unknown(indication)
+    if bare:  # nothing corrects the readings: the air does not matter
+        return replace(found, entries=tuple(e for e in found.entries if e.quantity in (TAPE, "reading")))
+    return found

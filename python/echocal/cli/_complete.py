@@ -1,0 +1,41 @@
+"""Values that the shell completes."""
+
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+
+__all__ = ["bases", "causes", "parameters", "targets"]
+
+CORES = ("avr", "cortex-m0", "cortex-m3", "cortex-m4f", "rv32", "rv32e", "c99")
+
+
+def bases(incomplete: str) -> list[str]:
+    """Laws, and files that may hold a model."""
+    from echocal import _core
+
+    folder, name = Path(incomplete).parent, Path(incomplete).name
+    files = sorted(str(file) for file in folder.glob("*.json") if file.name.startswith(name))
+    return [*_beginning(incomplete, (law["id"] for law in _core.laws())), *files]
+
+
+def causes(incomplete: str) -> list[str]:
+    """Ids of effects, noises and faults."""
+    from echocal.diagnose.catalogue import causes as known
+
+    return list(_beginning(incomplete, (cause.id for cause in known())))
+
+
+def parameters(incomplete: str) -> list[str]:
+    """Parameters that a calibration fits."""
+    from echocal.registry import effects
+
+    fitted = [f"{effect.id}.{parameter.name}" for effect in effects() for parameter in effect.parameters]
+    return list(_beginning(incomplete, ["law.intercept", "law.slope", *fitted]))
+
+
+def targets(incomplete: str) -> list[str]:
+    """Cores that firmware is made for."""
+    return list(_beginning(incomplete, CORES))
+
+
+def _beginning(incomplete: str, words: Iterable[str]) -> Iterator[str]:
+    return (word for word in words if word.startswith(incomplete))

@@ -1,0 +1,75 @@
+"""A date in pieces, one column each, is one time."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import echocal
+
+TIMES = pd.date_range("2024-02-28T22:30:00", periods=40, freq="11min7s")
+
+
+def pieces(names: dict[str, str]) -> dict[str, Any]:
+    held = {
+        "year": TIMES.year, "month": TIMES.month, "day": TIMES.day, "hour": TIMES.hour,
+        "minute": TIMES.minute, "second": TIMES.second, "doy": TIMES.day_of_year,
+    }  # fmt: skip
+    table = {own: np.asarray(held[piece]) for piece, own in names.items()}
+    return {
+        **table,
+        "reading_m": np.linspace(1.0, 2.0, len(TIMES)),
+        "temperature_C": np.full(len(TIMES), 20.0),
+    }
+
+
+@pytest.mark.parametrize(
+    "names",
+    [
+        {name: name for name in ("year", "month", "day", "hour", "minute", "second")},
+        {"year": "YYYY", "month": "Mo", "day": "DD", "hour": "HH", "minute": "mi", "second": "SS"},
+        {"year": "Year", "doy": "DOY", "hour": "Hour", "minute": "Min", "second": "Sec"},
+    ],
+)
+@pytest.mark.parametrize("kind", ["csv", "parquet", "table"])
+def test_the_pieces_are_one_time(tmp_path: Path, names: dict[str, str], kind: str) -> None:
+    table: Any = pd.DataFrame(pieces(names))
+    if kind != "table":
+        path = tmp_path / f"log.{kind}"
+        table.to_csv(path, index=False) if kind == "csv" else table.to_parquet(path)
+        table = path
+    read = echocal.read_observations(table, reading_speed=343)
+    assert read.time is not None
+    assert (read.time == TIMES.to_numpy().astype("datetime64[ns]")).all()
+    assert not read.extra
+    assert any("are read together as time" in note for note in read.notes)
+
+
+def test_a_piece_that_is_missing_or_impossible_is_a_row_without_time() -> None:
+    table = pd.DataFrame(pieces({name: name for name in ("year", "month", "day", "hour")}))
+    table["day"] = table["day"].astype(float)
+    table.loc[3, "day"] = np.nan
+    table.loc[5, "month"] = 13
+    with pytest.warns(echocal.DataWarning, match="2 of 40 rows cannot be used: 2 time missing"):
+        read = echocal.read_observations(table, reading_speed=343)
+    assert np.flatnonzero(~read.usable).tolist() == [3, 5]
+
+
+@pytest.mark.parametrize("change", [{"month": 40}, {"year": 7}])
+def test_columns_of_these_names_that_hold_something_else_stay(change: dict[str, int]) -> None:
+    table = {
+        **pieces({name: name for name in ("year", "month", "day")}),
+        **{k: np.full(40, v) for k, v in change.items()},
+    }
+    read = echocal.read_observations(table, reading_speed=343)
+    assert read.time is None
+    assert {"year", "month", "day"} <= {*read.extra}
+
+
+def test_a_column_of_times_is_not_touched() -> None:
+    table = {**pieces({name: name for name in ("year", "month", "day")}), "time": TIMES[::-1]}
+    read = echocal.read_observations(table, reading_speed=343)
+    assert read.time is not None
+    assert read.time[0] == TIMES[-1].to_datetime64()

@@ -1,0 +1,205 @@
+"""``echocal LOG``: five lines first, questions for a person only, and commands that run as they stand."""
+
+import json
+import os
+import pty
+import re
+import select
+import shlex
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from echocal.cli import app
+
+Run = Callable[..., tuple[int, str]]
+LABELS = ["what is wrong", "by how much", "how sure", "written", "what next"]
+
+
+@pytest.fixture
+def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Run:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("COLUMNS", "300")
+
+    def run(*words: str) -> tuple[int, str]:
+        done = CliRunner().invoke(app, [*words])
+        if done.exception is not None and not isinstance(done.exception, SystemExit):
+            return getattr(done.exception, "exit_code", 99), str(done.exception)
+        return done.exit_code, done.output
+
+    return run
+
+
+def speed(temperature: np.ndarray) -> np.ndarray:
+    return 331.4 + 0.6 * temperature
+
+
+def log(random: np.random.Generator, name: str, *, delay: float = 0.0, ruler: bool = True) -> None:
+    """A bench at three distances, each in air of all temperatures; echo times in us."""
+    warm = random.uniform(5.0, 30.0, 240)
+    away = np.tile([0.5, 1.2, 2.5], 80)
+    echo = 2e6 * away / speed(warm) + 1e6 * delay + random.normal(0.0, 2.0, 240)
+    columns = {"echo_us": echo.round(2), "temperature_C": warm.round(2), "distance_m": away}
+    names = [one for one in columns if ruler or one != "distance_m"]
+    rows = zip(*(columns[one] for one in names), strict=True)
+    Path(name).write_text("\n".join([",".join(names), *(",".join(map(str, row)) for row in rows)]) + "\n")
+
+
+def test_the_first_five_lines_answer_five_questions(run: Run, random: np.random.Generator) -> None:
+    log(random, "bench.csv", delay=85e-6)
+    code, said = run("bench.csv")
+    assert code == 0
+    lines = said.splitlines()
+    assert [line[:13].strip() for line in lines[:5]] == LABELS
+    wrong, size, sure, written, after = lines[:5]
+    assert "named: " in wrong
+    assert re.search(r"\d\(\d+(\.\d+)?\) (us|mm)", size), "a size with its uncertainty"
+    assert "probability" in sure
+    assert "240 of 240 rows" in sure
+    assert "correct" in after
+    for name in ("bench-report.html", "bench-model.json"):
+        assert name in written
+        assert Path(name).is_file()
+    commands = [line for line in lines if line.startswith("echocal ")]
+    assert 2 <= len(commands) <= 3
+    for command in commands:
+        _, *words = shlex.split(command)
+        assert run(*words)[0] == 0, command
+    assert Path("bench-corrected.csv").is_file()
+
+
+def test_it_may_run_again_and_replaces_no_file_of_the_user(run: Run, random: np.random.Generator) -> None:
+    log(random, "bench.csv", delay=85e-6)
+    assert run("bench.csv", "-q") == (0, "")
+    assert run("bench.csv", "-q") == (0, "")
+    Path("bench-report.html").write_text("mine")
+    code, said = run("bench.csv", "-q")
+    assert code == 2
+    assert "bench-report.html exists" in said
+
+
+def test_json_on_stdout_is_alone(run: Run, random: np.random.Generator) -> None:
+    log(random, "bench.csv")
+    done = CliRunner().invoke(app, ["bench.csv", "--json", "-"])
+    assert json.loads(done.stdout)["schema"] == "echocal.diagnosis/1"
+    assert "wrote bench-report.html, bench-model.json" in done.stderr
+
+
+def test_nobody_at_the_terminal_is_asked_nothing(run: Run, random: np.random.Generator) -> None:
+    log(random, "bench.csv", ruler=False)
+    code, said = run("bench.csv")
+    assert code == 3
+    assert "--constant-distance" in said
+    assert "--reference-distance" in said
+    Path("unnamed.csv").write_text("\n".join(f"{1200 + n % 7},{20 + n / 50}" for n in range(60)) + "\n")
+    code, said = run("unnamed.csv")
+    assert code == 3
+    assert "--yes" in said
+    assert "--constant-distance" in said
+    assert '--at "temperature=20+-2"' in said
+    assert run("unnamed.csv", "--yes", "--constant-distance", "--at", "temperature=20+-2")[0] == 0
+
+
+def test_a_person_is_asked_and_the_answer_is_kept(tmp_path: Path, random: np.random.Generator) -> None:
+    """The options file has the answers: the commands that follow need no question."""
+    os.chdir(tmp_path)
+    log(random, "tank.csv", ruler=False)
+    near = np.loadtxt("tank.csv", delimiter=",", skiprows=1)[::3]
+    np.savetxt("tank.csv", near, delimiter=",", header="echo_us,temperature_C", comments="", fmt="%.2f")
+    said = typed("tank.csv", "one meter\n0.5\n")
+    assert "How far was the target" in said
+    assert "'one meter'" in said, "what is no number is asked again"
+    assert "reference-distance = 0.5" in Path("tank-options.toml").read_text()
+    assert "--options tank-options.toml" in said
+
+
+def typed(log: str, answers: str) -> str:
+    """What a person at a terminal sees who types these answers, each when the prompt is there."""
+    master, slave = pty.openpty()
+    words = [sys.executable, "-m", "echocal", log]
+    shell = {**os.environ, "COLUMNS": "300", "TERM": "dumb"}
+    process = subprocess.Popen(words, stdin=slave, stdout=slave, stderr=slave, env=shell)
+    os.close(slave)
+    seen, waiting = "", answers.splitlines(keepends=True)
+    while select.select([master], [], [], 120.0)[0]:
+        try:
+            part = os.read(master, 4096)
+        except OSError:
+            break
+        if not part:
+            break
+        seen += part.decode()
+        if waiting and seen.endswith("distance [m] []: ".replace(" []", "")):
+            os.write(master, waiting.pop(0).encode())
+    assert process.wait(60) == 0, seen
+    return seen
+
+
+def test_a_word_that_is_neither_command_nor_file_is_told(run: Run) -> None:
+    for word, hint in (("dignose", "did you mean 'diagnose'?"), ("absent.csv", "no file absent.csv")):
+        code, said = run(word)
+        assert code in (2, 3)
+        assert hint in said
+
+
+def test_a_folder_is_no_log(run: Run, tmp_path: Path) -> None:
+    (tmp_path / "logs").mkdir()
+    code, said = run("logs")
+    assert code == 2
+    assert "echocal diagnose logs --by" in said
+
+
+@pytest.mark.parametrize("words", [[], ["diagnose"], ["effects", "show"], ["log.csv"]])
+def test_h_is_help(run: Run, words: list[str]) -> None:
+    code, said = run(*words, "-h")
+    assert code == 0
+    assert "Usage:" in said
+
+
+@pytest.mark.parametrize(
+    ("typed_so_far", "offered"),
+    [
+        ("diagnose log.csv --base c", "cramer"),
+        ("calibrate log.csv --fit fixed_d", "fixed_delay.delay"),
+        ("firmware m.json --target cortex-m4", "cortex-m4f"),
+        ("effects show hum", "humidity"),
+    ],
+)
+def test_values_are_completed(typed_so_far: str, offered: str) -> None:
+    words = {"COMP_WORDS": f"echocal {typed_so_far}", "COMP_CWORD": str(len(typed_so_far.split()))}
+    asked = {**os.environ, **words, "_ECHOCAL_COMPLETE": "complete_bash"}
+    call = "from echocal.cli import app; app(prog_name='echocal')"
+    done = subprocess.run(
+        [sys.executable, "-c", call], env=asked, capture_output=True, text=True, check=False
+    )
+    assert offered in done.stdout.split()
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["diagnose", "bench.csv", "--report", "OUT.html"],
+        ["diagnose", "bench.csv", "--json", "OUT.json", "--details"],
+        ["sweep", "--temperature", "0:10:5", "--distance", "1", "-o", "OUT.csv"],
+        ["calibrate", "bench.csv", "--fit", "fixed_delay", "-o", "OUT.json"],
+        ["inspect", "bench.csv", "-o", "OUT.toml"],
+        ["verify", "bench.csv", "--maximum-permissible-error-mm", "30", "--json", "OUT.json"],
+        ["correct", "bench.csv", "-o", "OUT.csv"],
+        ["simulate", "--design", "quick", "-o", "OUT.csv"],
+        ["effects", "list", "--json", "OUT.json"],
+    ],
+    ids=lambda words: words[0],
+)
+def test_every_command_says_what_it_wrote(run: Run, random: np.random.Generator, words: list[str]) -> None:
+    log(random, "bench.csv")
+    code, said = run(*words)
+    assert code == 0, said
+    (file,) = [word for word in words if word.startswith("OUT")]
+    assert said.count(file) >= 1
+    assert Path(file).is_file()
+    assert not words[0].startswith("c") or run(*words, "-q") == (0, "")
