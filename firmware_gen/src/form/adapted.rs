@@ -175,9 +175,7 @@ fn shapes(fit: &Fit<'_>, degree: usize, leading: f64) -> Vec<(f64, Adapted)> {
         let power = leading.abs() * unit.powi(degree as i32 - 1) / twice as f64;
         let ideal = power.powf((degree as f64).recip());
         for multiplier in [ideal.floor(), ideal.ceil()] {
-            // A shift by several places is a loop where only bytes move: 13 cycles more than a product with 15 (AVR).
-            let looped = fit.core.byte_shifts && (multiplier as u64).is_power_of_two();
-            if multiplier < 1.0 || multiplier * (last + BEFORE) as f64 > 65_535.0 || looped {
+            if multiplier < 1.0 || multiplier * (last + BEFORE) as f64 > 65_535.0 {
                 continue;
             }
             let fixed = leading.signum() * twice as f64 * multiplier.powi(degree as i32)
@@ -452,11 +450,16 @@ impl Form for Adapted {
 
     fn refine(&mut self, fit: &Fit<'_>) {
         let (ideal, _) = solve(fit, self.degree(), 0.0);
-        let mut made = shapes(fit, self.degree(), ideal[self.degree()]);
-        made.truncate(SHAPES);
+        let made = shapes(fit, self.degree(), ideal[self.degree()]);
+        // A shift by several places is a loop where only bytes move: 13 cycles more than a product with 15 (AVR).
+        let is_loop = |made: &&(f64, Self)| {
+            fit.core.byte_shifts && (made.1.multiplier as u64).is_power_of_two()
+        };
+        let straight = made.iter().filter(|made| !is_loop(made)).take(SHAPES);
+        let looped = made.iter().filter(is_loop).take(SHAPES);
         let mut best = (self.settle(fit), self.clone());
-        for start in made {
-            let found = start.1.improved(fit);
+        for (_, start) in straight.chain(looped) {
+            let found = start.improved(fit);
             if found.0 < best.0 {
                 best = found;
             }
