@@ -130,5 +130,18 @@ fn ten_random_designs_on_bent_models_have_the_proof_of_brute_force() {
         let drawn = drawn(&mut draw, true);
         let design = drawn.design();
         let [quick, brute] = drawn.proofs(&design);
+        assert_eq!(
+            (quick.hash, quick.inputs, quick.bounded_inputs),
+            (brute.hash, brute.inputs, brute.bounded_inputs),
+            "design {number}"
+        );
+        // Both invert the model by Newton's method, from different starts.
+        for (a, b) in [
+            (quick.bounded, brute.bounded),
+            (quick.overall, brute.overall),
+        ] {
+            let same = (a.error - b.error).abs() < 1e-6 && (a.row, a.echo) == (b.row, b.echo);
+            assert!(same, "design {number}: {a:?} {b:?}");
+        }
     }
 }
