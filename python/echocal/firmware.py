@@ -29,6 +29,7 @@ Progress = Callable[[str, int, int], object]
 
 _ABSOLUTE_ZERO = -273.15  # degC
 _MOST_THREADS = 65_535  # set by hand, far above any machine
+_WITHOUT_C = ("micropython", "rust")
 _DS18B20 = TemperatureCodes()
 _NAME = re.compile(r"[a-z][a-z0-9]*(_[a-z0-9]+)*")  # valid in C, C++ and Python; no two differ by case alone
 _LONGEST_NAME = 19  # C99 compares 31 characters of an external name (5.2.4.1); _output_hash has 12
@@ -92,10 +93,11 @@ def generate(
         ``{"relative_humidity": 0.5}``; default: the air of the model.
     max_table_bytes : int
         Largest size of all tables together [byte].
-    package : {"c", "arduino", "platformio", "esphome", "micropython"}
+    package : {"c", "arduino", "platformio", "esphome", "micropython", "esp-idf", "zephyr", "rust"}
         Kind of files: plain C with its self-test, an Arduino library with an example sketch, a
-        PlatformIO project with the library in it, a configuration for ESPHome, or a module for
-        MicroPython and CircuitPython. All but the last hold the same C.
+        PlatformIO project with the library in it, an external component for ESPHome, a module for
+        MicroPython and CircuitPython, a component for ESP-IDF, a module for Zephyr, or a ``no_std``
+        crate. All but ``"micropython"`` and ``"rust"`` hold the same C.
     name : str
         What the names of files, functions, macros and libraries begin with. Two sensors in one program need
         two names. Lower-case letters, digits and single underscores, at most 19 characters.
@@ -139,8 +141,8 @@ def generate(
         message = f"firmware needs a Model, got {type(model).__name__}; Model.load(path) reads a file"
         raise UsageError(message)
     model.refuse_shape("firmware")
-    if measure and package == "micropython":
-        message = "measure needs C, and the package micropython contains none: choose another package"
+    if measure and package in _WITHOUT_C:
+        message = f"measure needs C, and the package {package} contains none: choose another package"
         raise UsageError(message)
     _refuse_name(name)
     codes = _above_absolute_zero(codes_of("temperature", TemperatureCodes, temperature))

@@ -3,11 +3,14 @@
 mod c;
 mod golden;
 mod package;
+mod parts;
 mod python;
 mod reach;
 mod report;
+mod rust;
 mod selftest;
 mod status;
+mod templates;
 mod text;
 
 pub use package::{PACKAGES, Package};
@@ -110,7 +113,10 @@ pub fn emit(
     let reach = reach::reach(design, device);
     let package = Package::parse(&provenance.package)?;
     let (vectors, count) = selftest::columns(design, device);
+    let outputs = format!("{:016x}", design.proof.hash);
     let context = context! {
+        library => library(provenance),
+        library_version => format!("{}+{outputs}", provenance.version),
         provenance,
         measured,
         function => function_text(design, device, &provenance.name),
@@ -122,6 +128,7 @@ pub fn emit(
         uncertainty => uncertainty_text(uncertainty, device),
         echo_timeout_us => echo_timeout(&device.echo),
         python => python_text(design, &provenance.name),
+        rust => rust_text(design, device, &provenance.name),
         proof => proof_text(design, device, provenance.maximum_error),
         selftest => context! { columns => vectors, count },
     };
@@ -135,6 +142,14 @@ pub fn emit(
     Ok(files)
 }
 
+/// Name of a library: of one model, unless it was given.
+fn library(provenance: &Provenance) -> String {
+    match provenance.name.as_str() {
+        "echocal" => format!("Echocal_{:.8}", provenance.model_hash),
+        given => given.to_owned(),
+    }
+}
+
 /// Longest time \[us\] from a trigger pulse to the end of an echo that the function accepts, however the timer rounds.
 fn echo_timeout(echo: &Axis) -> f64 {
     (echo.us(echo.codes.maximum + 1) + SILENCE).round()
@@ -142,8 +157,20 @@ fn echo_timeout(echo: &Axis) -> f64 {
 
 /// The function in Python.
 fn python_text(design: &Design, name: &str) -> minijinja::Value {
-    let (locals, result) = renamed(python::statements(&design.program), name);
-    context! { locals, result }
+    let (locals, result, heap) = python::statements(&design.program);
+    let (locals, result) = renamed((locals, result), name);
+    context! { locals, result, heap, tables => python::tables(&design.program, name) }
+}
+
+/// The function in Rust.
+fn rust_text(design: &Design, device: &Device, name: &str) -> minijinja::Value {
+    let (locals, result) = renamed(rust::statements(&design.program), name);
+    let types = device.axes().map(|axis| rust::name(axis.ty));
+    context! {
+        locals, result,
+        types => types.collect::<Vec<_>>(),
+        tables => rust::tables(&design.program, name),
+    }
 }
 
 /// The function: parameters, range checks, tables, statements.

@@ -87,7 +87,10 @@ def command(
         option("Value of a condition that the device does not measure.", metavar="NAME=VALUE"),
     ] = None,
     max_table_bytes: Annotated[int, option("Largest size of all tables together [byte].")] = 1024,
-    package: Annotated[str, option("Kind of files: c, arduino, platformio, esphome or micropython.")] = "c",
+    package: Annotated[
+        str,
+        option("Kind of files: c, arduino, platformio, esphome, micropython, esp-idf, zephyr or rust."),
+    ] = "c",
     name: Annotated[
         str, option("Start of the names of files, functions and macros. Two sensors need two.")
     ] = "echocal",

@@ -42,6 +42,8 @@ Proven: the outputs for all 4,019,204 accepted inputs were computed and compared
 - Error over all accepted inputs: at most 0.0737 mm.
 - The distance never decreases when the echo time increases.
 
+A call allocates no memory on the heap: no intermediate result needs more than 31 bits.
+
 SPDX-License-Identifier: MIT OR Apache-2.0
 """
 
@@ -75,8 +77,11 @@ def distance_um(echo_us, temperature_code):
     second_line = (11131 - (temperature_index * 4)) - correction
     # half the speed of sound [2^-8 um per echo code]
     speed = ((first_line * second_line) >> 16) + 40844
+    # an intermediate value, in parts of 14 bits
+    wide16_0 = echo_us * (speed & 16383)
+    wide16_1 = echo_us * (speed >> 14) + (wide16_0 >> 14)
     # distance [um]
-    distance = (echo_us * speed) >> 8
+    distance = (wide16_1 << 6) + ((wide16_0 & 16383) >> 8)
     return distance
 
 
