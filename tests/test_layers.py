@@ -26,10 +26,10 @@ LAYERS = (
     {"budget"},
     {"virtual_bench", "correct"},
     {"diagnose", "silicon", "echoes", "verify", "generated", "device_uncertainty"},
-    {"panels"},
+    {"charts"},
     {"plots", "report", "firmware"},
     {"study", "explore", "emulation", "fleet", "watch", "accessor", "estimator"},
-    {"pages", "_accessors"},
+    {"pages", "_accessors", "serve"},
     {"cli"},
 )
 ROOMS_OF_DIAGNOSE = [

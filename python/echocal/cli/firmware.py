@@ -155,7 +155,7 @@ def command(
     _refuse_outputs(model, json, out, [*made.files, CHECKSUMS], page, force=force)
     files = made.save(out)
     if page is not None:
-        from echocal.pages.firmware import firmware_page  # plotly takes a while to import
+        from echocal.pages.firmware import firmware_page
 
         replace_text(page, firmware_page(made, followed, forms, request["assume"]))
         files.append(page)
