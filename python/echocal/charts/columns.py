@@ -9,7 +9,8 @@ from echocal.diagnose.preprocess.hold_out import HELD_OUT_ROW
 from echocal.diagnose.results.diagnosis import Diagnosis
 from echocal.diagnose.results.fates import USED
 
-__all__ = ["ERROR", "SIGN", "binned", "by_correlation", "drawn_columns", "is_finer", "left_out_at", "limits"]
+__all__ = ["ERROR", "SIGN", "binned_means", "by_correlation", "drawn_columns", "is_finer", "left_out_at"]
+__all__ += ["limits"]
 
 Column = NDArray[np.float64]
 
@@ -20,6 +21,8 @@ SIGN = "above 0, it reads too far"
 """What the sign of an error means."""
 
 _BINS = 30
+_FEW = 200  # rows that are visible one by one
+_ENOUGH = 5  # fewest rows of a mean that is drawn
 _SAME = 1e-6  # m, far below the resolution of such sensors
 _REPEATED = 0.999  # correlation with a column that is drawn, beyond which a further panel shows nothing new
 _FINER = 0.2  # part of the error, below which a scale of its own is needed to see it
@@ -103,7 +106,18 @@ def left_out_at(diagnosis: Diagnosis, name: str) -> Column:
     return np.interp(out, traces.row[order], traces.against[name][order])
 
 
-def binned(x: Column) -> NDArray[np.int64]:
+def binned_means(x: Column, y: Column) -> tuple[Column, Column]:
+    """Means of bins with about equally many rows; of many rows, bins with few rows are left out."""
+    if not len(x):
+        return x, y
+    bins = _binned(x)
+    rows = np.bincount(bins)
+    filled = rows >= (1 if len(x) <= _FEW else min(_ENOUGH, rows.max()))
+    means = [np.bincount(bins, weights=values)[filled] / rows[filled] for values in (x, y)]
+    return means[0], means[1]
+
+
+def _binned(x: Column) -> NDArray[np.int64]:
     """Bin of each value: about equally many rows in each, or one for each value where these are few."""
     count = min(_BINS, max(2, len(x) // 3))
     distinct, bins = np.unique(x, return_inverse=True)
@@ -115,7 +129,7 @@ def binned(x: Column) -> NDArray[np.int64]:
 
 def _explained_variance(x: Column, y: Column) -> float:
     """Part of the variance of y that the means of bins of x explain."""
-    bins = binned(x)
+    bins = _binned(x)
     rows = np.bincount(bins)
     filled = rows > 0
     means = np.bincount(bins, weights=y)[filled] / rows[filled]
