@@ -138,7 +138,7 @@ def command(
     if said:
         replace_text(toml, options_text(log, toml, said))
     _made_by.sign(diagnosis.model, "diagnose", source, model).save(model)
-    from echocal.report.html import save_report  # plotly takes a while to import
+    from echocal.report.html import save_report
 
     save_report(diagnosis, page, log.name, shlex.join(["echocal", *sys.argv[1:]]))
     write_json(diagnosis.to_dict(), json)

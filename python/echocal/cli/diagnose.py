@@ -1,7 +1,5 @@
 """``echocal diagnose``: name what the base simulation gets wrong."""
 
-import shlex
-import sys
 from pathlib import Path
 from typing import Annotated, TypeAlias
 
@@ -11,7 +9,16 @@ from echocal.cli import _fleet, _made_by, _pool
 from echocal.cli._brief import follow_up, print_brief
 from echocal.cli._complete import bases
 from echocal.cli._console import Console
-from echocal.cli._outputs import Force, Output, PlotFormat, check_outputs, made_in, written
+from echocal.cli._outputs import (
+    Force,
+    Output,
+    PlotFormat,
+    Report,
+    check_outputs,
+    made_in,
+    write_report,
+    written,
+)
 from echocal.cli._ranges import parsed_ranges
 from echocal.cli._tables import (
     AS_IT_IS,
@@ -111,10 +118,7 @@ def command(
     ] = False,
     plots: Annotated[Path | None, typer.Option(metavar="DIR", help="Write plots.")] = None,
     plot_format: PlotFormat = "png",
-    report: Annotated[
-        Path | None,
-        typer.Option(metavar="OUT.html", help="Write one page to read in a browser, to print or to send."),
-    ] = None,
+    report: Report = None,
     rows: Annotated[
         Path | None,
         typer.Option(metavar="OUT.csv", help="Write of each row whether it is used, why not, and its error."),
@@ -193,10 +197,10 @@ def command(
             "--save-model": model,
             "--with-shape": with_shape,
             "--with-smooth": with_smooth,
-            "--report": report,
             "--rows": rows,
             "--can-vary": can_vary or ranges,
             "--placements": placements,
+            "--matters-mm": matters_mm,
         }
         used = [*_file(base), *reading.files]
         request = {
@@ -214,7 +218,7 @@ def command(
                 used,
                 {**request, "base": base, "hold_out_after": _time(hold_out_after)},
                 reading.given(),
-                _fleet.Outputs(output, models, results, plots, json, plot_format),
+                _fleet.Outputs(output, models, results, plots, json, plot_format, report),
                 _fleet.How(kind, memory, workers, engine or "local", spreadsheet_safe),
                 force=force,
                 quiet=quiet,
@@ -227,7 +231,7 @@ def command(
             used,
             {**request, "base": base_of(base)},
             reading.given(),
-            _pool.Outputs(models, plots, json, plot_format),
+            _pool.Outputs(models, plots, json, plot_format, report),
             force=force,
             quiet=quiet,
         )
@@ -270,9 +274,9 @@ def command(
     _write(diagnosis, whole, model, plots, plot_format)
     write_json(diagnosis.to_dict(), json)
     if report is not None:
-        from echocal.report.html import save_report  # plotly takes a while to import
+        from echocal.report.html import report_page
 
-        save_report(diagnosis, report, data.name, shlex.join(["echocal", *sys.argv[1:]]))
+        write_report(report, report_page, diagnosis, data.name)
     if rows is not None:
         replace_text(rows, csv_text(diagnosis.row_table()), newline="")
     if not quiet and json != "-":
@@ -346,7 +350,7 @@ def _after(diagnosis: Diagnosis, data: Path, model: Path | None, reading: Given)
     if diagnosis.verdict != "named" or not diagnosis.model.effects or diagnosis.good_enough:
         return ""
     if model is None:
-        return "--save-model model.json writes it; echocal correct applies it."
+        return "Add --save-model model.json, then run echocal correct."
     return next(iter(follow_up(diagnosis, data, model, reading_words(reading)).values()))
 
 
