@@ -12,12 +12,11 @@ from matplotlib.figure import Figure
 from rich.console import Console
 
 import echocal
+from echocal.charts.columns import by_correlation
 from echocal.diagnose import Cause, NextMeasurement
 from echocal.diagnose.results.grouped import grouped
-from echocal.panels import by_correlation
-from echocal.plots.diagnosis import plot_gain, save_diagnosis
+from echocal.plots.diagnosis import plot_gain, plot_posterior, save_diagnosis
 from echocal.plots.next_measurements import next_figure
-from echocal.plots.posterior import plot_posterior
 from echocal.plots.residuals import _summary, plot_residuals, residuals_figure
 from echocal.plots.unexplained import plot_unexplained
 from echocal.report import print_diagnosis
@@ -83,7 +82,7 @@ def test_the_gain_names_what_joins(diagnosis: echocal.Diagnosis) -> None:
     ax = Figure().add_subplot()
     plot_gain(diagnosis, ax)
     labels = [label.get_text() for label in ax.get_yticklabels()]
-    assert labels[-3:] == ["base", "+ fixed_speed", "chosen by each fold"]
+    assert labels[-4:] == ["base", "+ fixed_speed", "chosen by each fold", "all columns could reach"]
 
 
 def test_side_measurements_are_told_where_no_row_helps(diagnosis: echocal.Diagnosis) -> None:
@@ -241,7 +240,7 @@ def test_the_bar_of_the_reported_cause_is_there_and_dark(diagnosis: echocal.Diag
     assert labels[-1] == "zero_error"
     colors = [bar.get_facecolor() for bar in ax.patches]  # type: ignore[attr-defined]
     assert colors[-1] not in colors[:-1]
-    assert "dark: sets with a cause that the verdict reports" in ax.get_title(loc="left")
+    assert "in color: sets with a cause that the verdict reports" in ax.get_title(loc="left")
 
 
 @pytest.mark.parametrize(("form", "start"), [("svg", b"<?xml"), ("pdf", b"%PDF")])

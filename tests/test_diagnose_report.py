@@ -1,7 +1,5 @@
 """A diagnosis as one page: what it says, that it needs nothing from any host, and that a browser shows it."""
 
-import json
-import re
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -9,15 +7,22 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
-from browsed import CLEAN, Text, browsed
+from browsed import CLEAN, Text, browsed, chromium, drawn_in
 
 import echocal
-
-pytest.importorskip("plotly")
+from echocal.charts.diagnosis import posterior_chart
+from echocal.charts.errors import distance_chart, time_chart, truth_chart
+from echocal.charts.parts import Axis, Chart, Panel, Points, Rug
 from echocal.report.html import report_page
-from echocal.report.html.errors import distance_figure, time_figure, truth_figure
+from echocal.report.html.drawing import drawn
 
 ROWS = 300
+WHERE = """() => {
+  const path = document.querySelector(".points.before");
+  const at = path.getAttribute("d").split("M")[100].match(/[-\\d.e]+/g);
+  const point = new DOMPoint(+at[0], +at[1]).matrixTransform(path.getScreenCTM());
+  return [point.x, point.y];
+}"""
 Run = Callable[..., tuple[int, str]]
 
 
@@ -53,25 +58,69 @@ def test_it_says_what_the_diagnosis_says(named: echocal.Diagnosis) -> None:
         assert f"{reason} {count}" in text
 
 
-def test_it_needs_nothing_from_any_host(named: echocal.Diagnosis) -> None:
-    assert Text(report_page(named)).fetched == ["data:,"]
+def test_it_needs_nothing_from_any_host_and_is_small(named: echocal.Diagnosis) -> None:
+    page = report_page(named)
+    assert Text(page).fetched == ["data:,"]
+    assert len(page) < 200_000
+
+
+def test_a_page_of_a_long_table_is_below_a_megabyte(named: echocal.Diagnosis) -> None:
+    """Twenty thousand rows, with four columns to draw over."""
+    rows = np.arange(20_000)
+    noise = np.sin(1e4 * rows)
+    columns = {name: place + np.sin(rows * (place + 1.1)) for place, name in enumerate("abcd")}
+    traces = replace(
+        named.traces,
+        row=rows,
+        before=1e-3 * noise + 0.01,
+        after=1e-4 * noise,
+        against={**columns, "time": 60.123 * rows, "distance": 2.0 + noise},
+        begin=np.datetime64("2024-07-03T10:00"),
+    )
+    assert len(report_page(replace(named, traces=traces))) < 1_000_000
+
+
+def test_links_lead_to_a_place_of_the_page(named: echocal.Diagnosis) -> None:
+    text = Text(report_page(named))
+    assert {"causes", "errors", "rows", "model"} <= set(text.links) <= set(text.ids)
+    assert len(text.ids) == len(set(text.ids))
+
+
+def test_causes_come_before_the_errors(named: echocal.Diagnosis) -> None:
+    page = report_page(named)
+    assert page.index('id="causes"') < page.index('id="gain"') < page.index('id="errors"')
+
+
+def test_no_probability_has_an_axis_beyond_one(named: echocal.Diagnosis) -> None:
+    chart = posterior_chart(replace(named, posterior=(((), 0.4), (("cycle_slip",), 0.6))))
+    assert chart.most == 1.0
+    assert "width:60%" in drawn(chart)
+
+
+def test_times_are_dates(random: np.random.Generator) -> None:
+    rows = table(random, np.full(ROWS, 1.5), 0.01)
+    rows["time"] = pd.date_range("2024-07-03T10:00", periods=ROWS, freq="h").astype(str)
+    diagnosis = echocal.diagnose(rows, base="343")
+    x = time_chart(diagnosis).x
+    assert (x.begin, x.label) == (np.datetime64("2024-07-03T10:00"), "time (UTC)")
+    assert x.low <= 0.0
+    assert x.high >= 3600.0 * (ROWS - 1)
+    assert 'data-begin="2024-07-03T10:00:00.000Z"' in report_page(diagnosis)
+    rows = rows.drop(columns="time").assign(time_s=3600.0 * np.arange(ROWS))
+    assert time_chart(echocal.diagnose(rows, base="343")).x.label == "time [d]"
 
 
 def test_each_drawn_error_is_one_of_the_table(named: echocal.Diagnosis) -> None:
     """Row numbers and errors of the first figure, as they stand in the page."""
-    page = report_page(named)
-    (figure,) = re.findall(r'Plotly\.newPlot\(\s*"[^"]+",\s*(\[.*?\]),\s*\{"', page, re.DOTALL)[:1]
-    before, after = (trace for trace in json.loads(figure) if trace["name"] != "left out")
-    for trace, error in ((before, named.traces.before), (after, named.traces.after)):
+    before, after = (mark for mark in drawn_in(report_page(named), 0) if mark.rows)
+    for mark, error in ((before, named.traces.before), (after, named.traces.after)):
         of_row = dict(zip((named.traces.row + 1).tolist(), error.tolist(), strict=True))
-        assert len(trace["y"]) == np.isfinite(error).sum()
-        told = [1e3 * of_row[row] for row in trace["customdata"]]
-        assert trace["y"] == pytest.approx(told, rel=1e-5, abs=1e-9)
+        assert len(mark.y) == len(mark.rows) == np.isfinite(error).sum()
+        assert mark.y == pytest.approx([1e3 * of_row[row] for row in mark.rows], rel=1e-5, abs=1e-9)
 
 
 def test_marks_show_where_rows_are_left_out(named: echocal.Diagnosis) -> None:
-    figure = time_figure(named)
-    marked = [np.asarray(trace.x) for trace in figure.data if trace.name == "left out"]
+    marked = [mark.x for panel in time_chart(named).panels for mark in panel.marks if isinstance(mark, Rug)]
     out = [row for row, fate in enumerate(named.fates.fate, start=1) if fate in named.fates.counts]
     assert len(out) >= 6
     assert [x.tolist() for x in marked] == [out, out]
@@ -80,20 +129,30 @@ def test_marks_show_where_rows_are_left_out(named: echocal.Diagnosis) -> None:
 def test_a_worse_model_looks_worse(named: echocal.Diagnosis) -> None:
     traces = named.traces
     worse = replace(named, traces=replace(traces, before=traces.after, after=traces.before))
-    layout = time_figure(worse).layout
-    assert layout.yaxis.range == layout.yaxis2.range
-    assert layout.annotations[1].text == "extended model, at the same scale"
+    first, second = time_chart(worse).panels
+    assert first.y == second.y
+    assert second.title == "after: extended model, at the same scale"
 
 
 def test_distance_and_reading_stand_beside_the_truth(named: echocal.Diagnosis) -> None:
     traces = named.traces
-    over_time, against_truth = distance_figure(named), truth_figure(named)
-    for figure in (over_time, against_truth):
-        assert [trace.name for trace in figure.data] == ["base", "extended model", "true"]
+    over_time, against_truth = distance_chart(named), truth_chart(named)
+    for chart in (over_time, against_truth):
+        assert isinstance(chart, Chart)
+        assert [mark.name for mark in chart.panels[0].marks] == ["base", "extended model", "true"]
     reading = traces.against["distance"] + traces.before
-    assert list(against_truth.data[0].y) == pytest.approx(reading[np.isfinite(reading)], rel=1e-5)
+    assert isinstance(against_truth, Chart)
+    (base, *_) = against_truth.panels[0].marks
+    assert isinstance(base, Points)
+    assert base.y == pytest.approx(reading[np.isfinite(reading)])
     page = Text(report_page(named)).seen
     assert page.index("Over distance") < page.index("Distance over") < page.index("Reading against truth")
+
+
+def test_a_name_is_no_markup() -> None:
+    name = '"><script>x'
+    panel = Panel(name, Axis(name, 0.0, 1.0), [Points(name, "before", np.zeros(1), np.zeros(1))])
+    assert "<script" not in drawn(Chart(name, Axis(name, 0.0, 1.0), [panel], name))
 
 
 def test_it_says_how_to_make_it_again(run: Run, random: np.random.Generator) -> None:
@@ -132,3 +191,62 @@ def test_the_command_writes_it_and_replaces_only_its_own(run: Run, random: np.ra
 def test_a_browser_shows_it(named: echocal.Diagnosis, tmp_path: Path) -> None:
     """Every figure is drawn, and the console has no error; a phone has no line that is cut off."""
     assert browsed(report_page(named), tmp_path) == CLEAN
+
+
+@pytest.mark.slow
+def test_it_is_dark_where_the_reader_wants_it_and_prints_light(
+    named: echocal.Diagnosis, tmp_path: Path
+) -> None:
+    """The paper of the page, its ink, and the color of the points, by scheme and medium."""
+    playwright = pytest.importorskip("playwright.sync_api")
+    (tmp_path / "page.html").write_text(report_page(named), encoding="utf-8")
+    seen = {}
+    with playwright.sync_playwright() as started:
+        browser = started.chromium.launch(executable_path=chromium(), args=["--no-sandbox"])
+        page = browser.new_page()
+        page.goto((tmp_path / "page.html").as_uri())
+        for scheme, medium in (("light", "screen"), ("dark", "screen"), ("dark", "print")):
+            page.emulate_media(color_scheme=scheme, media=medium)
+            seen[scheme, medium] = page.evaluate(
+                """() => { const style = name => getComputedStyle(document.querySelector(name));
+                return [style("body").backgroundColor, style("body").color, style("path.before").stroke]; }"""
+            )
+        browser.close()
+    light, dark = seen["light", "screen"], seen["dark", "screen"]
+    assert light[0] == "rgb(255, 255, 255)"
+    assert all(one != other for one, other in zip(light, dark, strict=True))
+    assert seen["dark", "print"] == light
+
+
+@pytest.mark.slow
+def test_the_pointer_reads_values_and_zooms(named: echocal.Diagnosis, tmp_path: Path) -> None:
+    """The text beside a point is its row and error; a frame, a button and a double click change the range."""
+    playwright = pytest.importorskip("playwright.sync_api")
+    text = report_page(named)
+    (tmp_path / "page.html").write_text(text, encoding="utf-8")
+    before = drawn_in(text, 0)[0]
+    with playwright.sync_playwright() as started:
+        browser = started.chromium.launch(executable_path=chromium(), args=["--no-sandbox"])
+        page = browser.new_page(viewport={"width": 800, "height": 1200})
+        page.goto((tmp_path / "page.html").as_uri())
+        figure = page.locator("figure", has=page.locator("svg.chart")).first
+        figure.scroll_into_view_if_needed()
+        box = figure.locator("svg.plot").first.bounding_box()
+        assert box is not None
+        place = page.evaluate(WHERE)
+        page.mouse.move(*place)
+        told = figure.locator("output").inner_text()
+        assert told == f"base, row {before.rows[99]}, {before.y[99]:.5g} mm"
+        ticks = figure.locator("text.tick")
+        shown = [ticks.all_inner_texts()]
+        page.mouse.move(box["x"] + 100, box["y"] + 20)
+        page.mouse.down()
+        page.mouse.move(box["x"] + 200, box["y"] + 90, steps=3)
+        page.mouse.up()
+        shown.append(ticks.all_inner_texts())
+        figure.get_by_role("button", name="+").click()
+        shown.append(ticks.all_inner_texts())
+        figure.locator("svg.chart").dblclick(position={"x": 300, "y": 100})
+        assert ticks.all_inner_texts() == shown[0]
+        assert len(set(map(tuple, shown))) == 3
+        browser.close()

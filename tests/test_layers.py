@@ -25,11 +25,11 @@ LAYERS = (
     {"sweep", "calibrate", "engines"},
     {"budget"},
     {"virtual_bench", "correct"},
-    {"diagnose", "silicon", "echoes", "verify", "generated"},
-    {"panels"},
+    {"diagnose", "silicon", "echoes", "verify", "generated", "device_uncertainty"},
+    {"charts"},
     {"plots", "report", "firmware"},
     {"study", "explore", "emulation", "fleet", "watch", "accessor", "estimator"},
-    {"pages", "_accessors"},
+    {"pages", "_accessors", "serve"},
     {"cli"},
 )
 ROOMS_OF_DIAGNOSE = [

@@ -1,13 +1,11 @@
 """The study and a firmware as pages: what they say, and that a browser shows them without a request."""
 
-import re
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from browsed import CLEAN, Text, browsed
+from browsed import CLEAN, Text, browsed, drawn_in
 
-pytest.importorskip("plotly")
 from echocal import Model, study
 from echocal.firmware import Firmware, generate
 from echocal.pages.considered import considered
@@ -62,10 +60,7 @@ def test_each_form_has_its_cost_or_the_reason_why_not(made: Firmware, page: str)
 
 
 def test_the_drawn_error_is_within_the_proven_one(made: Firmware, page: str) -> None:
-    (figure,) = re.findall(r'Plotly\.newPlot\(\s*"[^"]+",\s*(\[.*?\]),\s*\{"', page, re.DOTALL)
-    values = [
-        float(v) for part in re.findall(r'"y":\[([^\]]*)\]', figure) for v in part.split(",") if v.strip()
-    ]
+    values = [value for line in drawn_in(page, 0) if line.name != "requested bound" for value in line.y]
     proven = 1e3 * made.report["error_proven_m"]
     assert len(values) > 500
     assert 0.0 < max(map(abs, values)) <= proven * 1.001

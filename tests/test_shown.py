@@ -55,7 +55,8 @@ def test_a_result_shows_itself(results: dict[str, object], kind: str) -> None:
     page = result._repr_html_()  # type: ignore[attr-defined]
     assert page.startswith("<p><b>")
     assert "<table" in page
-    assert len(page) < 20_000
+    assert page.count('<img alt="') == page.count("data:image/png;base64,") == 1
+    assert len(page) < 200_000
     frame = result.to_dataframe()  # type: ignore[attr-defined]
     assert isinstance(frame, pd.DataFrame)
     assert len(frame)
@@ -74,6 +75,14 @@ def test_text_is_the_explanation(results: dict[str, object]) -> None:
 def test_tables_hold_the_numbers(results: dict[str, object], table: dict[str, np.ndarray]) -> None:
     causes = results["Diagnosis"].to_dataframe()  # type: ignore[attr-defined]
     assert causes["probability"].between(0, 1).all()
+    diagnosis = results["Diagnosis"]
+    parameters = [(c.id, p) for c in diagnosis.causes for p in c.parameters]  # type: ignore[attr-defined]
+    told = causes.dropna(subset="value")
+    assert list(told.index) == [cause for cause, _ in parameters]
+    assert told["value"].tolist() == [p.value for _, p in parameters]
+    assert told["standard_uncertainty"].tolist() == [p.standard_uncertainty for _, p in parameters]
+    sentence = diagnosis.explain().partition("\n")[0]  # type: ignore[attr-defined]
+    assert f"<p>{sentence}</p>" in diagnosis._repr_html_()  # type: ignore[attr-defined]
     rows = results["Observations"].to_dataframe()  # type: ignore[attr-defined]
     np.testing.assert_array_equal(rows["echo_time [s]"], table["echo_s"])
     (parameter,) = results["Calibration"].to_dataframe().itertuples()  # type: ignore[attr-defined]
@@ -84,3 +93,10 @@ def test_tables_hold_the_numbers(results: dict[str, object], table: dict[str, np
 def test_names_of_a_table_are_no_markup() -> None:
     found = echocal.read_observations({"echo_s": [0.01] * 3, "<script>x": [1.0, 2.0, 3.0]})
     assert "<script>" not in found._repr_html_()
+
+
+def test_a_model_that_cannot_be_drawn_shows_itself() -> None:
+    model = Model("linear", {"supply_voltage": {"slope": 6e-5}})
+    with pytest.raises(echocal.EchocalError):
+        model.plot()
+    assert model._repr_html_().startswith("<p><b>Model")

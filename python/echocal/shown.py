@@ -25,7 +25,7 @@ class Shown:
         return str(_call("report", "explanation", self))
 
     def _repr_html_(self) -> str:
-        """What a notebook shows: the headline and the table."""
+        """What a notebook shows: the headline, of a diagnosis its sentence, the figure and the table."""
         return str(_call("report", "html", self))
 
     def to_dataframe(self) -> "DataFrame":

@@ -9,7 +9,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 
 from echocal.cli import _made_by
 from echocal.cli._console import Console
-from echocal.cli._outputs import Output, check_outputs, made_in
+from echocal.cli._outputs import Output, check_outputs, made_in, write_report
 from echocal.cli._tables import write_json
 from echocal.correct.inputs import find_inputs
 from echocal.correct.memory import in_bytes
@@ -21,7 +21,6 @@ _INSTEAD = {
     "--save-model": "give --models DIR, one file for each sensor",
     "--with-shape": "an unexplained term belongs to its table: diagnose this sensor alone",
     "--with-smooth": "a smooth correction belongs to its table: diagnose this sensor alone",
-    "--report": "-o FILE tells the verdict of each sensor; diagnose a sensor alone for its report",
     "--rows": "diagnose a sensor alone for its rows",
     "--matters-mm": "diagnose a sensor alone to be told what matters",
     "--can-vary": "diagnose a sensor alone for its next measurements",
@@ -38,6 +37,7 @@ class Outputs:
     plots: Path | None
     json: str | None
     plot_format: str = "png"
+    report: Path | None = None
 
 
 @dataclass(frozen=True)
@@ -119,6 +119,10 @@ def diagnose_sensors(
         from echocal.plots.fleet import save_fleet  # matplotlib takes a second to import
 
         save_fleet(fleet.summary, outputs.plots, outputs.plot_format)
+    if outputs.report is not None:
+        from echocal.report.html.several import fleet_page
+
+        write_report(outputs.report, fleet_page, fleet.summary, inputs[0].name)
     write_json(fleet.summary, outputs.json)
     if not quiet and outputs.json != "-":
         print_fleet(fleet.summary, Console())
@@ -152,6 +156,7 @@ def _check(inputs: Sequence[Path], used: Sequence[str | None], outputs: Outputs,
     check_outputs(
         Output("--output", outputs.table, _made_by.verdicts()),
         Output("--json", outputs.json, _made_by.result("echocal.fleet")),
+        Output("--report", outputs.report, _made_by.report("diagnose")),
         inputs=every,
         force=force,
     )

@@ -1,13 +1,14 @@
 """Check that all outputs of a command can be written, before the command starts its work."""
 
 import os
+import shlex
 import sys
 from collections import Counter
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Annotated, TypeAlias
+from typing import Annotated, Any, TypeAlias
 
 import typer
 
@@ -17,8 +18,8 @@ from echocal.cli._options import file_in_use
 from echocal.errors import UsageError, writing
 from echocal.outputs import refuse_name, replace_text
 
-__all__ = ["Force", "Output", "PlotFormat", "Quiet", "be_quiet", "check_outputs", "made_in", "pass_on"]
-__all__ += ["refuse_picture", "telling_what_is_written", "written"]
+__all__ = ["Force", "Output", "PlotFormat", "Quiet", "Report", "be_quiet", "check_outputs", "made_in"]
+__all__ += ["pass_on", "refuse_picture", "telling_what_is_written", "write_report", "written"]
 
 _FEW = 3  # files of a folder that are listed by name
 
@@ -28,6 +29,13 @@ Force: TypeAlias = Annotated[
 
 PlotFormat: TypeAlias = Annotated[
     str, typer.Option(metavar="png|svg|pdf", help="Format of the plots of --plots.")
+]
+
+Report: TypeAlias = Annotated[
+    Path | None,
+    typer.Option(
+        "--report", metavar="OUT.html", help="Write one page to read in a browser, to print or to send."
+    ),
 ]
 
 
@@ -262,3 +270,8 @@ def _nearest(folder: Path) -> Path:
 def _refuse(path: Path, reason: str) -> None:
     message = f"{path} cannot be written: {reason}"
     raise UsageError(message)
+
+
+def write_report(path: Path, page: Callable[[Any, str, str], str], result: Any, heading: str) -> None:
+    """Write the page of a result, with the command that runs."""
+    replace_text(path, page(result, heading, shlex.join(["echocal", *sys.argv[1:]])))

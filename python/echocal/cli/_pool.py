@@ -9,7 +9,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 
 from echocal.cli import _made_by
 from echocal.cli._console import Console
-from echocal.cli._outputs import Output, check_outputs, made_in
+from echocal.cli._outputs import Output, check_outputs, made_in, write_report
 from echocal.cli._tables import noted, write_json
 from echocal.diagnose.pooling.engine import diagnose_many
 from echocal.errors import DomainWarning, UsageError
@@ -24,7 +24,6 @@ _INSTEAD = {
     "--save-model": "give --models DIR",
     "--with-shape": "an unexplained term belongs to its table: diagnose this table alone",
     "--with-smooth": "a smooth correction belongs to its table: diagnose this table alone",
-    "--report": "diagnose each table alone for its report",
     "--rows": "diagnose each table alone for its rows",
     "--hold-out-after": "the gain is measured on tables left out in turn; --until leaves out later rows",
     "--matters-mm": "diagnose one table to be told what matters",
@@ -40,6 +39,7 @@ class Outputs:
     plots: Path | None
     json: str | None
     plot_format: str = "png"
+    report: Path | None = None
 
 
 def told_apart(more: Sequence[str] | None) -> tuple[list[Path], list[str]]:
@@ -84,6 +84,7 @@ def diagnose_tables(
         *(Output("--models", file, _made_by.model("diagnose", origin[name])) for name, file in files.items()),
         *_shared(outputs.models, tables[0]),
         Output("--json", outputs.json, _made_by.result("echocal.pooled_diagnosis", "echocal.diagnosis")),
+        Output("--report", outputs.report, _made_by.report("diagnose")),
         inputs=[*tables, *inputs],
         folder=outputs.models,
         force=force,
@@ -114,6 +115,10 @@ def diagnose_tables(
         from echocal.plots.pooled import save_pooled  # matplotlib takes a second to import
 
         save_pooled(pooled, outputs.plots, outputs.plot_format)
+    if outputs.report is not None:
+        from echocal.report.html.several import pooled_page
+
+        write_report(outputs.report, pooled_page, pooled, ", ".join(file.name for file in tables))
     write_json(pooled.to_dict(), outputs.json)
     if not quiet and outputs.json != "-":
         print_pooled(pooled, Console())

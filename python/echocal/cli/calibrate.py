@@ -12,7 +12,7 @@ from echocal.cli import _made_by
 from echocal.cli._complete import parameters
 from echocal.cli._console import Console
 from echocal.cli._models import Effects, model_of
-from echocal.cli._outputs import Force, Output, check_outputs
+from echocal.cli._outputs import Force, Output, Report, check_outputs, write_report
 from echocal.cli._tables import (
     AS_IT_IS,
     Given,
@@ -49,6 +49,7 @@ def command(
     out: Annotated[
         Path | None, typer.Option("--out", "-o", metavar="FILE", help="Write the calibrated model.")
     ] = None,
+    report: Report = None,
     json: Json = None,
     force: Force = False,
     quiet: Quiet = False,
@@ -58,6 +59,7 @@ def command(
     check_outputs(
         Output("--out", out, _made_by.model("calibrate", data)),
         Output("--json", json, _made_by.result("echocal.calibration")),
+        Output("--report", report, _made_by.report("calibrate")),
         inputs=[data, model, *reading.files],
         force=force,
     )
@@ -67,6 +69,10 @@ def command(
         found = calibrate(read(data, quiet, reading), start, fit, loss=loss)
     if out is not None:
         _made_by.sign(found.model, "calibrate", data, out).save(out)
+    if report is not None:
+        from echocal.report.html.results import calibration_page
+
+        write_report(report, calibration_page, found, data.name)
     write_json(found.to_dict(), json)
     if not quiet and json != "-":
         _print(found)

@@ -1,7 +1,5 @@
 """``echocal diagnose``: name what the base simulation gets wrong."""
 
-import shlex
-import sys
 from pathlib import Path
 from typing import Annotated, TypeAlias
 
@@ -11,7 +9,16 @@ from echocal.cli import _fleet, _made_by, _pool
 from echocal.cli._brief import follow_up, print_brief
 from echocal.cli._complete import bases
 from echocal.cli._console import Console
-from echocal.cli._outputs import Force, Output, PlotFormat, check_outputs, made_in, written
+from echocal.cli._outputs import (
+    Force,
+    Output,
+    PlotFormat,
+    Report,
+    check_outputs,
+    made_in,
+    write_report,
+    written,
+)
 from echocal.cli._ranges import parsed_ranges
 from echocal.cli._tables import (
     AS_IT_IS,
@@ -45,6 +52,13 @@ ReferenceDistance: TypeAlias = Annotated[
 ConstantDistance: TypeAlias = Annotated[
     bool, typer.Option("--constant-distance", help="The target did not move; its distance is not known.")
 ]
+Placements: TypeAlias = Annotated[
+    str | None,
+    typer.Option(
+        metavar="M,M,...",
+        help="Ruler values of the placements of a raw log, in their order: 0.5,1.2,2.5 (m).",
+    ),
+]
 MattersMm: TypeAlias = Annotated[
     float | None,
     typer.Option(
@@ -73,6 +87,7 @@ def command(
     base: Base = "linear",
     reference_distance: ReferenceDistance = None,
     constant_distance: ConstantDistance = False,
+    placements: Placements = None,
     matters_mm: MattersMm = None,
     reading: Given = AS_IT_IS,
     since: Annotated[str | None, typer.Option(metavar="TIME", help="Use rows from this time on.")] = None,
@@ -103,10 +118,7 @@ def command(
     ] = False,
     plots: Annotated[Path | None, typer.Option(metavar="DIR", help="Write plots.")] = None,
     plot_format: PlotFormat = "png",
-    report: Annotated[
-        Path | None,
-        typer.Option(metavar="OUT.html", help="Write one page to read in a browser, to print or to send."),
-    ] = None,
+    report: Report = None,
     rows: Annotated[
         Path | None,
         typer.Option(metavar="OUT.csv", help="Write of each row whether it is used, why not, and its error."),
@@ -185,9 +197,9 @@ def command(
             "--save-model": model,
             "--with-shape": with_shape,
             "--with-smooth": with_smooth,
-            "--report": report,
             "--rows": rows,
             "--can-vary": can_vary or ranges,
+            "--placements": placements,
             "--matters-mm": matters_mm,
         }
         used = [*_file(base), *reading.files]
@@ -206,7 +218,7 @@ def command(
                 used,
                 {**request, "base": base, "hold_out_after": _time(hold_out_after)},
                 reading.given(),
-                _fleet.Outputs(output, models, results, plots, json, plot_format),
+                _fleet.Outputs(output, models, results, plots, json, plot_format, report),
                 _fleet.How(kind, memory, workers, engine or "local", spreadsheet_safe),
                 force=force,
                 quiet=quiet,
@@ -219,7 +231,7 @@ def command(
             used,
             {**request, "base": base_of(base)},
             reading.given(),
-            _pool.Outputs(models, plots, json, plot_format),
+            _pool.Outputs(models, plots, json, plot_format, report),
             force=force,
             quiet=quiet,
         )
@@ -242,6 +254,7 @@ def command(
             base=base_of(base),
             reference_distance=reference_distance,
             constant_distance=constant_distance,
+            placements=distances_of(placements),
             since=since,
             until=until,
             hold_out_after=_time(hold_out_after),
@@ -261,9 +274,9 @@ def command(
     _write(diagnosis, whole, model, plots, plot_format)
     write_json(diagnosis.to_dict(), json)
     if report is not None:
-        from echocal.report.html import save_report  # plotly takes a while to import
+        from echocal.report.html import report_page
 
-        save_report(diagnosis, report, data.name, shlex.join(["echocal", *sys.argv[1:]]))
+        write_report(report, report_page, diagnosis, data.name)
     if rows is not None:
         replace_text(rows, csv_text(diagnosis.row_table()), newline="")
     if not quiet and json != "-":
@@ -348,6 +361,17 @@ def _ranges(first: list[str] | None, more: list[str]) -> dict[str, tuple[float, 
         raise UsageError(message)
     texts = [text for joined in (*(first or ()), *more) for text in joined.split()]
     return parsed_ranges(texts) or None
+
+
+def distances_of(text: str | None) -> list[float] | None:
+    """Distances of ``0.5,1.2,2.5`` [m]."""
+    if text is None:
+        return None
+    try:
+        return [float(word) for word in text.split(",")]
+    except ValueError:
+        message = f"--placements {text}: distances in m, with commas between them: 0.5,1.2,2.5"
+        raise UsageError(message) from None
 
 
 def _time(text: str | None) -> str | float | None:

@@ -9,7 +9,7 @@ from rich.table import Table
 from echocal.cli import _made_by
 from echocal.cli._console import Console
 from echocal.cli._options import toml_value, written_by_us
-from echocal.cli._outputs import Force, Output, check_outputs
+from echocal.cli._outputs import Force, Output, Report, check_outputs, write_report
 from echocal.cli._tables import (
     AS_IT_IS,
     Given,
@@ -28,7 +28,7 @@ from echocal.outputs import csv_text, replace_text, spreadsheet_safe
 _BARS = "▁▂▃▄▅▆▇█"
 
 
-@reading_options("reference", "reference_join")
+@reading_options()
 def command(
     log: Annotated[Path, typer.Argument(metavar="LOG", help="A log of any kind (docs/logs.md); - is stdin.")],
     out: Annotated[
@@ -41,6 +41,7 @@ def command(
     ] = None,
     reading: Given = AS_IT_IS,
     spreadsheet_safe: SpreadsheetSafe = False,
+    report: Report = None,
     json: Json = None,
     force: Force = False,
     quiet: Quiet = False,
@@ -50,6 +51,7 @@ def command(
         Output("--out", out, written_by_us),
         Output("--write", write, written_by_us),
         Output("--json", json, _made_by.result("echocal.inspection")),
+        Output("--report", report, _made_by.report("inspect")),
         inputs=[log, *reading.files],
         force=force,
     )
@@ -65,6 +67,10 @@ def command(
         replace_text(out, _toml(found, name, out, stated))
     if write is not None:
         _write(found, write, safe=spreadsheet_safe)
+    if report is not None:
+        from echocal.report.html.results import inspection_page
+
+        write_report(report, inspection_page, found, name.name)
     write_json(found.to_dict(), json)
     notes(found.notes, quiet)
     if not quiet and json != "-":

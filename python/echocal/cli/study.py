@@ -69,7 +69,7 @@ def command(
     if out is not None:
         _write(found, answer, out)
     if page is not None:
-        from echocal.pages.study import study_page  # plotly takes a while to import
+        from echocal.pages.study import study_page
 
         replace_text(page, study_page(found))
     write_json(_document(found, answer), json)

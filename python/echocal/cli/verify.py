@@ -7,10 +7,10 @@ from typing import Annotated
 import typer
 from rich.table import Table
 
+from echocal.cli import _made_by
 from echocal.cli._console import Console
-from echocal.cli._made_by import result
 from echocal.cli._models import Uncertain
-from echocal.cli._outputs import Force, Output, check_outputs
+from echocal.cli._outputs import Force, Output, Report, check_outputs, write_report
 from echocal.cli._tables import (
     AS_IT_IS,
     Given,
@@ -26,6 +26,7 @@ from echocal.diagnose.findings.sentences import quantity_text
 from echocal.errors import UsageError
 from echocal.model import Model
 from echocal.model.indicated_speed import speed_of
+from echocal.report.budget import probability_text
 from echocal.sweep import parse
 from echocal.verify import Verification, verify, verify_model
 
@@ -48,6 +49,7 @@ def command(
     ] = "0:50:1",
     distance: Annotated[str, typer.Option(metavar="RANGE", help="For a model: distances [m].")] = "0.1:4:0.1",
     reading: Given = AS_IT_IS,
+    report: Report = None,
     json: Json = None,
     force: Force = False,
     quiet: Quiet = False,
@@ -58,7 +60,8 @@ def command(
     """
     subject = from_stdin(subject)
     check_outputs(
-        Output("--json", json, result("echocal.verification")),
+        Output("--json", json, _made_by.result("echocal.verification")),
+        Output("--report", report, _made_by.report("verify")),
         inputs=[subject, model, *reading.files],
         force=force,
     )
@@ -88,6 +91,10 @@ def command(
                 law=law,
                 uncertainties=uncertainties or (),
             )
+    if report is not None:
+        from echocal.report.html.results import verification_page
+
+        write_report(report, verification_page, found, subject.name)
     write_json(found.to_dict(), json)
     if not quiet and json != "-":
         _print(found)
@@ -107,7 +114,7 @@ def _print(result: Verification) -> None:
     if result.least_probability is not None:
         table.add_row("guard band (expanded uncertainty)", f"{result.guard_band * 1e3:.2g} mm at most")
         table.add_row("errors too near to the bound to decide", f"{result.undecided}")
-        table.add_row("least probability of conformity", f"{100 * result.least_probability:.3g} %")
+        table.add_row("least probability of conformity", probability_text(result.least_probability))
     for reason, count in result.unusable.items():
         table.add_row("not examined", f"{count} rows: {reason}")
     for reason, count in result.outside_smooth.items():

@@ -5,17 +5,24 @@ from typing import Any
 
 import numpy as np
 
+from echocal.charts.parts import Axis, Chart, Line, Panel, span
 from echocal.errors import EchocalError
 from echocal.firmware import Firmware
 from echocal.model import Model
 from echocal.pages.considered import Considered
-from echocal.report.html.document import Drawn, drawn, rendered
+from echocal.report.html.document import rendered
 
 __all__ = ["firmware_page"]
 
 _ECHOES, _LINES = 300, 5
 _MM, _US = 1e3, 1e6
-_COLORS = ("#155a75", "#2a7f9e", "#8a8f94", "#c79a10", "#c8500a")
+_NOTES = (
+    "output of the function less distance by the model, at five temperatures of the range, where further "
+    "conditions are in the middle of theirs",
+    "dotted: the requested bound",
+    "the proof is over every input, not only over these",
+)
+_TONES = ("one", "two", "three", "four", "five")
 
 
 def firmware_page(
@@ -90,7 +97,8 @@ def _row(one: Considered, made: Firmware) -> dict[str, str]:
 
 
 def _is(one: Considered, made: Firmware) -> bool:
-    return one.made is not None and one.made.report["output_hash"] == made.report["output_hash"]
+    same = ("form", "output_hash")  # two forms can give the same output for every input
+    return one.made is not None and all(one.made.report[name] == made.report[name] for name in same)
 
 
 def _why(made: Firmware, forms: Sequence[Considered]) -> str:
@@ -103,40 +111,32 @@ def _why(made: Firmware, forms: Sequence[Considered]) -> str:
     return f"The request names the form; of {meet} forms that meet the bound another one needs {least}."
 
 
-def _error(made: Firmware, model: Model, assumed: dict[str, float]) -> Drawn | None:
+def _error(made: Firmware, model: Model, assumed: dict[str, float]) -> Chart | None:
     """Error of the function against the model, over the distance, at temperatures across the range."""
-    import plotly.graph_objects as go
-
-    from echocal.report.html.figures import styled
-
     device, most = made.report["device"], made.report["maximum_distance_m"]
     echo = np.unique(_codes(device["echo"], _ECHOES))
     thermometer, *others = device["conditions"]
     middle = {one["quantity"]: int(_codes(one, 3)[1]) for one in others}
-    figure = go.Figure()
+    lines = []
     try:
-        for code, color in zip(_codes(thermometer, _LINES), _COLORS, strict=True):
+        for code, tone in zip(_codes(thermometer, _LINES), _TONES, strict=True):
             air = {one["quantity"]: one["zero"] + one["lsb"] * middle[one["quantity"]] for one in others}
             celsius = thermometer["zero"] + thermometer["lsb"] * int(code)
             true = model.distance(echo * device["echo"]["lsb"], temperature=celsius, **{**assumed, **air})
             out = made.outputs(echo, int(code), *middle.values()) * device["output"]["lsb"]
             inside = true <= most
-            figure.add_scatter(
-                x=[float(f"{value:.5g}") for value in true[inside]],
-                y=[float(f"{_MM * value:.5g}") for value in (out - true)[inside]],
-                name=f"{celsius:g} degC",
-                line={"color": color, "width": 1.5},
-                hovertemplate="%{x} m<br>%{y:.3f} mm",
-            )
+            lines.append(Line(f"{celsius:g} degC", tone, true[inside], _MM * (out - true)[inside]))
     except EchocalError:  # the model needs what neither the device nor the request gives
         return None
     bound = _MM * made.report["error_bound_m"]
-    for side in (-bound, bound):
-        figure.add_hline(y=side, line={"color": "#b03030", "dash": "dot", "width": 1})
-    figure.update_xaxes(title="distance [m]")
-    figure.update_yaxes(title="error [mm]", range=[-1.15 * bound, 1.15 * bound])
-    figure.update_layout(legend={"orientation": "h", "y": -0.2, "yanchor": "top"})
-    return drawn("Error against the model", styled(figure, 380))
+    ends = span([line.x for line in lines])
+    sides = [
+        Line("requested bound", "out", np.array(ends), np.full(2, side), True) for side in (-bound, bound)
+    ]
+    y = Axis("error [mm]", -1.15 * bound, 1.15 * bound)
+    return Chart(
+        "Error against the model", Axis("distance [m]", *ends), [Panel("", y, [*lines, *sides])], _NOTES
+    )
 
 
 def _codes(axis: Mapping[str, Any], count: int) -> np.ndarray:

@@ -2,7 +2,8 @@
 
 from typing import Any
 
-from echocal.report.html.document import Drawn, drawn, rendered
+from echocal.charts.parts import Axis, Chart, Line, Panel, span
+from echocal.report.html.document import rendered
 from echocal.study import DEFINITION, Study, given
 from echocal.study.origin import CAUSES
 from echocal.study.report import MARKS
@@ -10,7 +11,7 @@ from echocal.study.verdict import Finding, Verdict
 
 __all__ = ["study_page"]
 
-_COLORS = ("#9fb3c8", "#2d7dd2", "#12355b")
+_TONES = ("three", "two", "one")
 _MM = 1e3
 
 
@@ -56,27 +57,16 @@ def _claim(finding: Finding) -> dict[str, Any]:
     }
 
 
-def _reading(study: Study) -> Drawn:
+def _reading(study: Study) -> Chart:
     """Error of the study's sensor at its distance: by its own equation, printed, and in true air."""
-    import plotly.graph_objects as go
-
-    from echocal.report.html.figures import styled
     from echocal.study.tables import DISTANCE
 
-    curves, figure = study.curves, go.Figure()
-    lines = [(name, curve, color) for (name, curve), color in zip(curves.air.items(), _COLORS, strict=True)]
-    for name, curve, color in [*lines, ("the study's equation", curves.stated, "#d64545")]:
-        figure.add_scatter(
-            x=curves.temperature.round(2).tolist(),
-            y=(_MM * (curve - DISTANCE)).round(3).tolist(),
-            name=name,
-            line={"color": color, "width": 2},
-            hovertemplate="%{x} degC<br>%{y:.2f} mm",
-        )
-    figure.update_xaxes(title="temperature [degC]")
-    figure.update_yaxes(title=f"reading less {DISTANCE:g} m [mm]")
-    figure.update_layout(legend={"orientation": "h", "y": -0.2, "yanchor": "top"})
+    curves = study.curves
+    named = [*zip(curves.air.items(), _TONES, strict=True), (("the study's equation", curves.stated), "five")]
+    lines = [Line(name, tone, curves.temperature, _MM * (curve - DISTANCE)) for (name, curve), tone in named]
+    x = Axis("temperature [degC]", *span([curves.temperature]))
+    y = Axis(f"reading less {DISTANCE:g} m [mm]", *span([line.y for line in lines]))
     caption = (
-        f"A sensor that assumes one speed of sound, before a target at {DISTANCE:g} m; true air by humidity."
+        f"A sensor that assumes one speed of sound, before a target at {DISTANCE:g} m; true air by humidity"
     )
-    return drawn("The reading over the temperature", styled(figure, 400), caption)
+    return Chart("", x, [Panel("", y, lines)], [caption])

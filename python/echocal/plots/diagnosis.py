@@ -1,21 +1,20 @@
 """Plots of a diagnosis."""
 
-import textwrap
 from pathlib import Path
 
 import matplotlib as mpl
-import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from echocal.charts.diagnosis import gain_chart, posterior_chart
 from echocal.diagnose import Diagnosis
+from echocal.diagnose.results.explain import class_texts, lead
 from echocal.errors import writing
+from echocal.plots.draw import draw_bars
 from echocal.plots.files import in_form, save_figure
-from echocal.plots.labels import title_beside
 from echocal.plots.next_measurements import next_figure
-from echocal.plots.posterior import plot_posterior
-from echocal.plots.residuals import AFTER, BEFORE, plot_residuals, residuals_figure
-from echocal.plots.smooth import TERM, smooth_figure
+from echocal.plots.residuals import plot_residuals, residuals_figure
+from echocal.plots.smooth import smooth_figure
 from echocal.plots.unexplained import plot_unexplained
 
 __all__ = ["PICTURES", "plot_gain", "plot_posterior", "plot_residuals", "residuals_figure", "save_diagnosis"]
@@ -23,7 +22,7 @@ __all__ = ["PICTURES", "plot_gain", "plot_posterior", "plot_residuals", "residua
 PICTURES = ("residuals.png", "gain.png", "posterior.png", "next.png", "unexplained.png", "smooth.png")
 """Names of the files that `save_diagnosis` can write; the last two if there is such a function."""
 
-_FLOOR = "#8a8a8a"
+_MOST = 6  # sets of causes that are drawn
 
 
 def save_diagnosis(diagnosis: Diagnosis, folder: str | Path, form: str = "png") -> list[Path]:
@@ -82,48 +81,21 @@ def plot_gain(diagnosis: Diagnosis, ax: Axes) -> None:
     diagnosis : Diagnosis
     ax : matplotlib.axes.Axes
     """
-    gain = diagnosis.gain
-    if gain is None:
+    chart = gain_chart(diagnosis)
+    if chart is None:
         ax.text(0.5, 0.5, "the gain was not measured", ha="center", transform=ax.transAxes)
         return
-    rungs = [(f"+ {ids[-1]}" if ids else "base", rms, AFTER if ids else BEFORE) for ids, rms in gain.ladder]
-    if gain.rms_fixed_speed_m is not None:
-        rungs.insert(0, ("one fixed speed", gain.rms_fixed_speed_m, _FLOOR))
-    if len(gain.ladder) > 1 and gain.judged_rows != "held-out rows":
-        rungs.append(("chosen by each fold", gain.rms_after_m, AFTER))
-    smooth = diagnosis.smooth
-    if smooth is not None and smooth.offered and smooth.rms_after_m is not None:
-        rungs.append(("+ smooth correction", smooth.rms_after_m, TERM))
-    names, values, colors = zip(*rungs, strict=True)
-    bars = ax.barh(range(len(names)), 1e3 * np.array(values), color=colors, height=0.6)
-    ax.bar_label(bars, fmt="%.2f mm", padding=3)
-    ax.axvline(1e3 * gain.rms_floor_m, color="0.3", linestyle=":")
-    ax.set_yticks(range(len(names)), names)
-    ax.invert_yaxis()
-    ax.margins(x=0.18)
-    ax.set_xlabel(f"RMS error on {gain.judged_rows} [mm]")
-    after = (
-        f" to {1e3 * gain.rms_after_m:.2f} mm" if len(gain.ladder) > 1 else " mm; no effect extends the base"
-    )
-    rows = f"{gain.held_out_rows} {gain.judged_rows} ({gain.scheme})"
-    error = f"RMS error on {rows}: {1e3 * gain.rms_before_m:.2f}{after}"
-    width = title_beside(names, ax)
-    lines = [error, *_removed(diagnosis), "dotted line: error that all recorded columns together could reach"]
-    ax.set_title("\n".join(textwrap.fill(line, width) for line in lines), fontsize=8, loc="left")
+    draw_bars(chart, ax)
 
 
-def _removed(diagnosis: Diagnosis) -> list[str]:
-    """Part of the error that the model removes; and the error with a smooth correction, if it is offered."""
-    gain, smooth = diagnosis.gain, diagnosis.smooth
-    lines = []
-    if gain is not None and len(gain.ladder) > 1:
-        low, high = (100 * end for end in gain.variance_removed_interval_95)
-        lines.append(
-            f"the model removes {100 * gain.variance_removed:.0f} % of the mean square error "
-            f"({low:.0f} to {high:.0f} %, 95 % interval)"
-        )
-    if smooth is not None and smooth.offered and smooth.rms_after_m is not None:
-        lines.append(
-            f"with the smooth correction, which has no known cause: {1e3 * smooth.rms_after_m:.2f} mm"
-        )
-    return lines
+def plot_posterior(diagnosis: Diagnosis, ax: Axes) -> None:
+    """Probability of the sets of causes; sets that the data cannot separate share a bar.
+
+    Parameters
+    ----------
+    diagnosis : Diagnosis
+    ax : matplotlib.axes.Axes
+    """
+    said = lead(diagnosis)
+    finding = f"{diagnosis.verdict}: {said[0].lower()}{said[1:]}"
+    draw_bars(posterior_chart(diagnosis, _MOST), ax, [finding, *class_texts(diagnosis)])

@@ -10,9 +10,11 @@ from matplotlib.figure import Figure
 
 from echocal.budget import Budget
 from echocal.calibrate import Calibration
+from echocal.charts.results import errors_chart, residual_chart
 from echocal.diagnose import Diagnosis
 from echocal.model import Model
 from echocal.observations import Observations
+from echocal.plots.draw import draw_bars, draw_chart
 from echocal.plots.echo_times import echo_times_figure
 from echocal.plots.residuals import residuals_figure
 from echocal.plots.sweep import plot_sweep
@@ -57,10 +59,7 @@ def _(result: Model) -> Figure:
 @figure.register
 def _(result: Calibration) -> Figure:
     drawn, ax = _axes()
-    rows = np.arange(1, len(result.residuals) + 1)
-    ax.axhline(0.0, color="0.7", lw=0.8)
-    ax.plot(rows, result.residuals, ".", ms=3, color=_DARK)
-    ax.set(xlabel="row", ylabel="observed minus predicted [unit of the response]")
+    draw_chart(residual_chart(result), [ax])
     ax.set_title(f"residuals of {', '.join(result.names)}", loc="left", fontsize=9)
     return drawn
 
@@ -85,15 +84,9 @@ def _(result: Observations) -> Figure:
 def _(result: Verification) -> Figure:
     drawn, ax = _axes(6.4, 2.2)
     bound = _MM * result.maximum_permissible_error
-    ax.axvspan(-bound, bound, color="0.9", label="permissible")
-    marks = {"mean": result.mean_error, "RMS": result.rms_error, "largest": result.maximum_error}
-    for place, value in enumerate(marks.values()):
-        beyond = abs(value) > result.maximum_permissible_error
-        ax.plot(_MM * value, place, "o", color=_LIGHT if beyond else _DARK)
-    ax.set_yticks(range(len(marks)), list(marks))
-    ax.set_xlabel("error of indication [mm]")
-    ax.legend(frameon=False, fontsize=8)
-    ax.set_title(f"{result.exceeding} of {result.count} errors exceed {bound:.3g} mm", loc="left", fontsize=9)
+    draw_bars(
+        errors_chart(result), ax, [f"{result.exceeding} of {result.count} errors exceed {bound:.3g} mm"]
+    )
     return drawn
 
 

@@ -1,5 +1,8 @@
 """Results in a notebook and in the terminal: a headline, an explanation, a table."""
 
+import base64
+import io
+import warnings
 from functools import singledispatch
 from html import escape
 
@@ -10,18 +13,22 @@ from echocal.budget import Budget
 from echocal.budget.rounding import plus_minus
 from echocal.calibrate import Calibration
 from echocal.diagnose import Diagnosis
-from echocal.diagnose.findings.sentences import parameter_text
+from echocal.diagnose.findings.parts import Parameter
+from echocal.diagnose.results.explain import lead
+from echocal.errors import DomainWarning, EchocalError
 from echocal.model import Model
 from echocal.observations import Observations
 from echocal.quantities import QUANTITIES
 from echocal.registry import effects
 from echocal.report.echo_times import counted, echo_table, said
+from echocal.shown import Shown
 from echocal.verify import Verification
 from echocal.waveforms import EchoTimes
 
 __all__ = ["dataframe", "explanation", "headline", "html"]
 
 _MM = 1e3  # mm in a meter
+_DPI = 80  # of a figure in a notebook
 
 
 @singledispatch
@@ -44,14 +51,25 @@ def explanation(result: object) -> str:
     return headline(result) + ("\n" + table.to_string() if len(table) else "") + notes
 
 
-def html(result: object) -> str:
-    """Return the headline and the table as HTML."""
+def html(result: Shown) -> str:
+    """Return the headline, of a diagnosis its sentence, the figure and the table as HTML."""
+    said = f"<p>{escape(lead(result))}.</p>" if isinstance(result, Diagnosis) else ""
     notes = "".join(f"<li>{escape(note)}</li>" for note in getattr(result, "notes", ()))
     listed = f"<ul>{notes}</ul>" if notes else ""
-    table = dataframe(result)
-    return (
-        f"<p><b>{escape(headline(result))}</b></p>{table.to_html(max_rows=10, border=0, escape=True)}{listed}"
-    )
+    table = dataframe(result).to_html(max_rows=10, border=0, escape=True)
+    return f"<p><b>{escape(headline(result))}</b></p>{said}{_figure(result)}{table}{listed}"
+
+
+def _figure(result: Shown) -> str:
+    """The figure of a result as an image in the text; nothing where it cannot be drawn."""
+    image = io.BytesIO()
+    try:
+        with warnings.catch_warnings(action="ignore", category=DomainWarning):  # the range is not the user's
+            result.plot().savefig(image, format="png", dpi=_DPI)
+    except EchocalError:  # a model that needs conditions of which nothing is known here
+        return ""
+    text = base64.b64encode(image.getvalue()).decode()
+    return f'<img alt="{escape(headline(result))}" src="data:image/png;base64,{text}">'
 
 
 @headline.register
@@ -72,30 +90,28 @@ def _(result: Diagnosis) -> str:
 
 @dataframe.register
 def _(result: Diagnosis) -> pd.DataFrame:
-    columns = [
-        "kind",
-        "probability",
-        "probability_alone",
-        "parameters",
-        "in_model",
-        "cannot_be_told_from",
-        "doubt",
-    ]
+    """A row for each parameter; a cause without one has a row, too."""
+    none = Parameter("", np.nan, np.nan, "")
     rows = [
-        (
-            cause.kind,
-            cause.probability,
-            cause.probability_alone,
-            ", ".join(
-                parameter_text(p.name, p.value, p.standard_uncertainty, p.unit) for p in cause.parameters
-            ),
-            cause.in_model,
-            ", ".join(cause.indistinguishable_from),
-            cause.doubt,
-        )
+        {
+            "cause": cause.id,
+            "kind": cause.kind,
+            "probability": cause.probability,
+            "probability_alone": cause.probability_alone,
+            "parameter": parameter.name,
+            "value": parameter.value,
+            "standard_uncertainty": parameter.standard_uncertainty,
+            "unit": parameter.unit,
+            "in_model": cause.in_model,
+            "cannot_be_told_from": ", ".join(cause.indistinguishable_from),
+            "doubt": cause.doubt,
+        }
         for cause in result.causes
+        for parameter in cause.parameters or (none,)
     ]
-    return pd.DataFrame(rows, columns=columns, index=pd.Index([c.id for c in result.causes], name="cause"))
+    columns = ["cause", "kind", "probability", "probability_alone", "parameter", "value"]
+    columns += ["standard_uncertainty", "unit", "in_model", "cannot_be_told_from", "doubt"]
+    return pd.DataFrame(rows, columns=columns).set_index("cause")
 
 
 @headline.register

@@ -380,6 +380,8 @@ class Traces:
         Held-out rows, which take no part in any fit; all False in a cross-validation.
     against : mapping of str to ndarray
         Recorded columns by name, in SI units.
+    begin : datetime64, optional
+        The instant (UTC) that the column `time` counts from; None where the table has no dates.
     """
 
     row: NDArray[np.int64]
@@ -387,3 +389,4 @@ class Traces:
     after: Column
     held_out: NDArray[np.bool_]
     against: Mapping[str, Column]
+    begin: np.datetime64 | None = None

@@ -99,7 +99,7 @@ def report(
         ),
         settings=case.settings,
         model=validation.model,
-        traces=_traces(case, judge, validation.model),
+        traces=replace(_traces(case, judge, validation.model), begin=_begin(observations)),
         fates=fates,
         members=members,
         matters_mm=1e3 * matters.difference_m,
@@ -240,6 +240,14 @@ def _traces(case: Case, judge: Judge, model: Model) -> Traces:
         return traces
     held, (before, after) = judge.held.rows, (judge.errors(one) for one in (case.base.plain, model))
     return _joined(traces, Traces(held.row, before, after, np.ones(len(held), dtype=bool), held.against()))
+
+
+def _begin(observations: Observations) -> np.datetime64 | None:
+    """The instant that elapsed time counts from."""
+    if observations.time is None or np.isnat(observations.time).all():
+        return None
+    begin: np.datetime64 = np.nanmin(observations.time).astype("datetime64[ms]")
+    return begin
 
 
 def _joined(one: Traces, other: Traces) -> Traces:

@@ -1,27 +1,12 @@
 """One HTML document that needs nothing from any host, from a template of this package."""
 
-from dataclasses import dataclass
 from importlib.metadata import version
 from importlib.resources import files
 from typing import Any
 
-__all__ = ["Drawn", "drawn", "rendered"]
+from echocal.report.html.drawing import drawn
 
-_CONFIG = {"displaylogo": False, "responsive": True, "scrollZoom": False}
-
-
-@dataclass(frozen=True)
-class Drawn:
-    """A figure as HTML."""
-
-    title: str
-    html: str
-    caption: str = ""
-
-
-def drawn(title: str, figure: Any, caption: str = "") -> Drawn:
-    """Return a figure of plotly as a part of a page."""
-    return Drawn(title, figure.to_html(full_html=False, include_plotlyjs=False, config=_CONFIG), caption)
+__all__ = ["rendered"]
 
 
 def rendered(template: str, command: str, title: str, **content: Any) -> str:
@@ -40,14 +25,20 @@ def rendered(template: str, command: str, title: str, **content: Any) -> str:
 
     """
     from jinja2 import Environment, FunctionLoader, StrictUndefined
-    from plotly.offline import get_plotlyjs
+    from markupsafe import Markup
 
     environment = Environment(
-        loader=FunctionLoader(lambda name: (files(__package__) / name).read_text(encoding="utf-8")),
+        loader=FunctionLoader(_text),
         autoescape=True,
         undefined=StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
     )
+    environment.filters["drawn"] = lambda chart: Markup(drawn(chart))
     common = {"command": command, "title": title, "version": version("echocal")}
-    return environment.get_template(template).render(script=get_plotlyjs(), **common, **content)
+    common |= {"script": _text("chart.js"), "style": _text("page.css")}
+    return environment.get_template(template).render(**common, **content)
+
+
+def _text(name: str) -> str:
+    return (files(__package__) / name).read_text(encoding="utf-8")

@@ -5,9 +5,13 @@ import shlex
 from pathlib import Path
 from typing import Any
 
+from echocal.charts.columns import drawn_columns
+from echocal.charts.diagnosis import gain_chart, posterior_chart
+from echocal.charts.errors import distance_chart, left_out_chart, over_chart, time_chart, truth_chart
+from echocal.charts.parts import MOST, Chart
 from echocal.diagnose import Diagnosis
 from echocal.diagnose.catalogue import find_cause
-from echocal.diagnose.findings.sentences import shifted_text, spoken
+from echocal.diagnose.findings.sentences import shifted_text
 from echocal.diagnose.results.explain import (
     class_texts,
     further_notes,
@@ -21,8 +25,7 @@ from echocal.diagnose.results.explain import (
 )
 from echocal.model.document import text_of
 from echocal.outputs import replace_text
-from echocal.panels import drawn_columns
-from echocal.report.html.document import Drawn, drawn, rendered
+from echocal.report.html.document import rendered
 
 __all__ = ["report_page", "save_report"]
 
@@ -88,18 +91,19 @@ def _content(diagnosis: Diagnosis, source: str) -> dict[str, Any]:
         "sentence": lead(diagnosis),
         "facts": _facts(diagnosis),
         "evidence": _evidence(diagnosis),
+        "most": f"{MOST:,}",
         "causes": [_cause(cause) for cause in diagnosis.causes],
         "questions": [_sentence(text) for text in class_texts(diagnosis)],
         "unexplained": [_sentence(text) for text in _unexplained(diagnosis)],
         "refuted": [one.id for one in diagnosis.refuted],
-        "gain": _gain(diagnosis),
+        "gain": gain_chart(diagnosis),
         "shifted": []
         if diagnosis.gain is None
         else [_sentence(shifted_text(one)) for one in diagnosis.gain.shifted],
         "rows": diagnosis.rows,
         "left_out": diagnosis.fates.counts,
-        "where": _left_out(diagnosis),
-        "posterior": _posterior(diagnosis),
+        "where": left_out_chart(diagnosis),
+        "posterior": posterior_chart(diagnosis) if len(diagnosis.posterior) > 1 else None,
         "proposals": [_sentence(proposal_text(one)) for one in diagnosis.next_measurements],
         "notes": [_sentence(note) for note in further_notes(diagnosis)],
         "model": repr(diagnosis.model),
@@ -156,48 +160,10 @@ def _cause(cause: Any) -> dict[str, Any]:
     }
 
 
-def _evidence(diagnosis: Diagnosis) -> list[Drawn]:
-    from echocal.report.html.errors import distance_figure, over_figure, time_figure, truth_figure
-
+def _evidence(diagnosis: Diagnosis) -> list[Chart]:
     every = drawn_columns(diagnosis, max(1, len(diagnosis.traces.against)))
     names = [name for name in every if name not in ("time", "row")]
     if "distance" in names:  # reading against truth
         names = ["distance", *(name for name in names if name != "distance")]
-    figures = [drawn("Over time" if "time" in every else "Row by row", time_figure(diagnosis))]
-    figures += [drawn(f"Over {spoken(name)}", over_figure(diagnosis, name)) for name in names[:_BESIDE]]
-    for title, figure in (
-        ("Distance over time", distance_figure(diagnosis)),
-        ("Reading against truth", truth_figure(diagnosis)),
-    ):
-        figures += [] if figure is None else [drawn(title, figure)]
-    return figures
-
-
-def _gain(diagnosis: Diagnosis) -> Drawn | None:
-    from echocal.report.html.figures import gain_figure
-
-    figure, gain = gain_figure(diagnosis), diagnosis.gain
-    if figure is None or gain is None:
-        return None
-    caption = f"{gain.held_out_rows} {gain.judged_rows} ({gain.scheme})."
-    if len(gain.ladder) > 1:
-        low, high = (1e3 * end for end in gain.interval_95)
-        caption += (
-            f" On rows that neither the choice nor the fit has seen: {1e3 * gain.rms_after_m:.2f} mm. The "
-            f"gain is {low:.2f} to {high:.2f} mm (95 % interval)."
-        )
-    return drawn("Error", figure, caption)
-
-
-def _posterior(diagnosis: Diagnosis) -> Drawn | None:
-    from echocal.report.html.figures import posterior_figure
-
-    figure = posterior_figure(diagnosis)
-    return None if figure is None else drawn("Probabilities", figure)
-
-
-def _left_out(diagnosis: Diagnosis) -> Drawn | None:
-    from echocal.report.html.figures import left_out_figure
-
-    figure = left_out_figure(diagnosis)
-    return None if figure is None else drawn("Rows left out", figure)
+    figures = [time_chart(diagnosis), *(over_chart(diagnosis, name) for name in names[:_BESIDE])]
+    return figures + [one for one in (distance_chart(diagnosis), truth_chart(diagnosis)) if one is not None]

@@ -1,0 +1,211 @@
+"""The page in the browser: driven as a person would, on a phone's width; and what the server refuses."""
+
+import asyncio
+import importlib
+import io
+import json
+import os
+import socket
+import subprocess
+import sys
+import time
+import zipfile
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+from urllib.error import URLError
+from urllib.request import Request, urlopen
+
+import numpy as np
+import pandas as pd
+import pytest
+from browsed import Text, chromium
+
+import echocal
+from echocal.serve.server import OwnPagesOnly
+from echocal.serve.session import Session
+
+Run = Callable[..., tuple[int, str]]
+PHONE = {"width": 390, "height": 844}
+SEEN = """() => { window.seen = new Set(); new MutationObserver(() => {
+  const stage = document.querySelector("[role=status]");
+  if (stage?.textContent) window.seen.add(stage.textContent);
+}).observe(document.body, {subtree: true, childList: true, characterData: true}); }"""
+
+
+def log(random: np.random.Generator) -> str:
+    """A log whose columns have names that say no quantity: an offset of 10 mm at three distances."""
+    true = np.repeat([0.5, 1.5, 3.0], 60)
+    table = pd.DataFrame(
+        {
+            "SR_U": true + 10e-3 + random.normal(0.0, 1e-3, true.size),
+            "Asp": random.uniform(5.0, 35.0, true.size),
+            "tape": true,
+        }
+    )
+    return table.to_csv(index=False)
+
+
+def test_a_session_does_what_the_commands_do(random: np.random.Generator) -> None:
+    session, text = Session(), log(random)
+    session.open("my log.csv", text.encode())
+    for column, request in (("SR_U", "reading_m"), ("Asp", "temperature_C"), ("tape", "distance_m")):
+        session.take(column, request)
+    session.diagnose(base="linear")
+    assert session.diagnosis is not None
+    columns = {"SR_U": "reading_m", "Asp": "temperature_C", "tape": "distance_m"}
+    alone = echocal.diagnose(pd.read_csv(io.StringIO(text)), base="linear", columns=columns)
+    assert session.diagnosis.posterior == alone.posterior
+    products = session.products()
+    page = Text(products["my log report.html"]).seen
+    assert "echocal diagnose 'my log.csv' --base linear --column SR_U=reading_m" in page
+    assert json.loads(products["my log model.json"])["schema"] == "echocal.model/1"
+    corrected = pd.read_csv(io.StringIO(products["my log corrected.csv"]))
+    assert abs((corrected["corrected_distance_m"] - corrected["tape"]).mean()) < 1e-3
+    with zipfile.ZipFile(io.BytesIO(session.firmware("c99", temperature=(0.5, 0.0, 40.0)))) as files:
+        assert "echocal_correction.c" in {Path(name).name for name in files.namelist()}
+    session.close()
+    assert not session.folder.exists()
+
+
+def test_a_change_of_a_column_forgets_the_diagnosis(random: np.random.Generator) -> None:
+    session = Session()
+    session.open(
+        "log.csv", log(random).replace("SR_U,Asp,tape", "reading_m,temperature_C,distance_m").encode()
+    )
+    session.diagnose(base="linear")
+    session.take("temperature_C", "ignore")
+    assert session.taken_for["temperature_C"] == "ignore"
+    with pytest.raises(echocal.EchocalError, match="not diagnosed"):
+        session.products()
+    session.close()
+
+
+@pytest.mark.parametrize(
+    ("host", "origin", "answered"),
+    [
+        ("127.0.0.1:8477", None, True),
+        ("localhost:8477", "http://localhost:8477", True),
+        ("example.org:8477", None, False),  # a name that a site points to this machine
+        ("127.0.0.1:8477", "http://example.org", False),
+        ("127.0.0.1:8477", "null", False),
+    ],
+)
+def test_only_pages_of_its_own_are_answered(host: str, origin: str | None, answered: bool) -> None:
+    reached: list[str] = []
+    sent: list[dict[str, object]] = []
+
+    async def app(scope: object, receive: object, send: object) -> None:
+        reached.append("app")
+
+    async def send(message: dict[str, object]) -> None:
+        sent.append(message)
+
+    headers = [(b"host", host.encode()), *([] if origin is None else [(b"origin", origin.encode())])]
+    for kind in ("http", "websocket"):
+        asyncio.run(OwnPagesOnly(app, 8477)({"type": kind, "headers": headers}, None, send))
+    assert len(reached) == 2 * answered
+    assert [m.get("status", m.get("code")) for m in sent][::2] == ([] if answered else [403, 1008])
+
+
+def test_a_port_that_is_taken_is_told(run: Run) -> None:
+    pytest.importorskip("nicegui")
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        taken.listen()
+        port = taken.getsockname()[1]
+        code, said = run("serve", "--port", str(port), "--no-browser")
+    assert (code, f"port {port} cannot be used" in said) == (2, True)
+
+
+@pytest.fixture
+def address(tmp_path: Path) -> Iterator[str]:
+    """The server in a process and a folder of its own."""
+    pytest.importorskip("nicegui")
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        port = free.getsockname()[1]
+    folder = tmp_path / "served"
+    folder.mkdir()
+    command = [sys.executable, "-m", "echocal", "serve", "--port", str(port), "--no-browser"]
+    with (tmp_path / "said.txt").open("w") as said:
+        own = {name: value for name, value in os.environ.items() if name != "PYTEST_CURRENT_TEST"}
+        server = subprocess.Popen(command, cwd=folder, stdout=said, stderr=said, env=own)
+    try:
+        for _ in range(300):
+            try:
+                with urlopen(Request(f"http://127.0.0.1:{port}/"), timeout=5):
+                    break
+            except (URLError, ConnectionError):
+                assert server.poll() is None, (tmp_path / "said.txt").read_text()
+                time.sleep(0.2)
+        yield f"http://127.0.0.1:{port}"
+    finally:
+        server.terminate()
+        server.wait(30)
+    assert not list(folder.iterdir())  # nothing is left in the user's folder
+    assert "Traceback" not in (tmp_path / "said.txt").read_text()
+
+
+def columns_of(picture: bytes, count: int) -> Any:
+    """A long picture in columns beside each other, with few colors."""
+    image = importlib.import_module("PIL.Image")
+    whole = image.open(io.BytesIO(picture)).convert("RGB")
+    wide, high = whole.width, -(-whole.height // count)
+    beside = image.new("RGB", ((wide + 10) * count - 10, high), "grey")
+    for place in range(count):
+        top = high * place
+        beside.paste(whole.crop((0, top, wide, min(top + high, whole.height))), ((wide + 10) * place, 0))
+    return beside.quantize(64)
+
+
+@pytest.mark.slow
+def test_a_phone_from_a_log_to_its_c(address: str, random: np.random.Generator, tmp_path: Path) -> None:
+    """A log is chosen, its columns are put right, the report is read, and all files are taken away."""
+    playwright = pytest.importorskip("playwright.sync_api")
+    (tmp_path / "my log.csv").write_text(log(random))
+    columns = {"SR_U": "reading_m", "Asp": "temperature_C"}
+    said: list[str] = []
+    asked: list[str] = []
+    with playwright.sync_playwright() as started:
+        browser = started.chromium.launch(executable_path=chromium(), args=["--no-sandbox"])
+        page = browser.new_context(viewport=PHONE, has_touch=True, color_scheme="dark").new_page()
+        page.set_default_timeout(60_000)
+        page.on("console", lambda m: said.append(m.text) if m.type in ("error", "warning") else None)
+        page.on("pageerror", lambda error: said.append(str(error)))
+        page.on("request", lambda request: asked.append(request.url))
+        page.on("websocket", lambda opened: asked.append(opened.url.replace("ws://", "http://", 1)))
+        page.goto(address)
+        page.set_input_files("input[type=file]", tmp_path / "my log.csv")
+        for place, (column, request) in enumerate(columns.items()):
+            field = page.get_by_role("combobox", name=column)
+            field.fill(request)
+            page.get_by_role("option", name=request, exact=True).click()
+            page.get_by_text("as you say").nth(place).wait_for()
+        playwright.expect(page.get_by_text("180 of 180 rows can be used")).to_be_visible()
+        page.get_by_label("speed of sound that").fill("331.4+0.6*T")
+        page.evaluate(SEEN)
+        page.get_by_role("button", name="Diagnose").click()
+        report = page.frame_locator("iframe")
+        assert "zero_error" in report.locator(".verdict").inner_text()
+        report.locator("svg.chart text.tick").first.wait_for()
+        assert page.evaluate("window.seen.size") >= 3  # stages of the diagnosis, as they went by
+        if where := os.environ.get("ECHOCAL_SCREENSHOT"):  # docs/serve.png
+            columns_of(page.screenshot(full_page=True), 3).save(where, optimize=True)
+        wide = "document.documentElement.scrollWidth > document.documentElement.clientWidth"
+        assert not page.evaluate(wide)
+        assert not report.locator("body").evaluate(f"() => {wide}")
+        taken = {}
+        for name in ("report.html", "model.json", "corrected.csv", "firmware.zip"):
+            with page.expect_download() as download:
+                page.get_by_role("button", name=name).click()
+            taken[name] = download.value.path().read_bytes()
+            assert download.value.suggested_filename == f"my log {name}"
+        browser.close()
+    assert said == []
+    assert {url for url in asked if not url.startswith((address, "data:", "blob:", "about:"))} == set()
+    (tmp_path / "model.json").write_bytes(taken["model.json"])
+    assert "zero_error" in echocal.Model.load(tmp_path / "model.json").effects
+    assert b"corrected_distance_m" in taken["corrected.csv"].splitlines()[0]
+    assert b"<title>echocal: my log.csv" in taken["report.html"]
+    assert zipfile.is_zipfile(io.BytesIO(taken["firmware.zip"]))
