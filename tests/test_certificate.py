@@ -12,6 +12,7 @@ from typer.testing import CliRunner
 
 import echocal
 from echocal.cli import app
+from echocal.model import ResidualUncertainty
 from echocal.report.html.certificate import certificate_page, certify, sha256_of
 
 Seeded = Callable[..., np.random.Generator]
@@ -88,6 +89,50 @@ def test_it_prints_on_two_pages(bench: Path, name: str) -> None:
     assert len(pages) == 2
     assert "Conformity" in pages[0]
     assert "Uncertainty budget" in pages[1]
+    assert "signature" in pages[1]
+
+
+def test_the_longest_one_prints_on_two_pages(tmp_path: Path) -> None:
+    """Seven parameters, fourteen stated sources, six columns and twelve rows."""
+    pypdf = pytest.importorskip("pypdf")
+    pytest.importorskip("weasyprint")
+    own = "fixed_delay zero_error clock_error temperature_offset dispersion supply_voltage"
+    effects: dict[str, dict[str, float]] = {id_: {} for id_ in own.split()}
+    names = echocal.Model("cramer", effects).parameter_names
+    residual = ResidualUncertainty(3e-4, 4e-4, 480, 0.5, 2.5, "blocked by time, 5 folds")
+    model = echocal.Model(
+        "cramer", effects, covariance=1e-14 * np.eye(len(names)), residual_uncertainty=residual
+    )
+    model.save(tmp_path / "model.json")
+    column = np.linspace(0.0, 1.0, 12)
+    table = {
+        "time": pd.date_range("2026-03-01", periods=12, freq="h"),
+        "reading_mm": 300.0 + 3700.123 * column,
+        "temperature_C": 5.0 + 30.0 * column,
+        "humidity_percent": 20.0 + 60.0 * column,
+        "pressure_hPa": 980.0 + 40.0 * column,
+        "co2_ppm": 400.0 + 500.0 * column,
+        "supply_V": 4.9,
+        "distance_m": 0.3 + 3.7 * column,
+    }
+    pd.DataFrame(table).to_csv(tmp_path / "new.csv", index=False)
+    known = "thermometer=DHT22 hygrometer=DHT22 barometer=BME280 tape=III timer_us=4 resolution_mm=10"
+    known += " law=published echo_us=2 co2_ppm=50 temperature_C=0.1"
+    words = [word for one in known.split() for word in ("--uncertainty", one)]
+    out = tmp_path / "out.pdf"
+    run(
+        tmp_path,
+        str(tmp_path / "new.csv"),
+        "-o",
+        str(out),
+        *words,
+        "--reading-speed",
+        "343",
+        "--device",
+        40 * "x ",
+    )
+    pages = [page.extract_text() for page in pypdf.PdfReader(out).pages]
+    assert len(pages) == 2
     assert "signature" in pages[1]
 
 

@@ -158,7 +158,7 @@ def shares(design: str, count: int, random: np.random.Generator, path: Path) -> 
 def test_fresh_rows_are_within_twice_of_it(
     design: str, count: int, random: np.random.Generator, tmp_path: Path
 ) -> None:
-    """The mean share scatters by 0.010 in these tables; docs/honesty.md has 100 tables of each design."""
+    """The mean share scatters by 0.010 in these tables; docs/honesty.md has 200 tables of each design."""
     assert np.mean(shares(design, count, random, tmp_path)) == pytest.approx(0.95, abs=0.03)
 
 

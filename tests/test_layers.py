@@ -25,7 +25,7 @@ LAYERS = (
     {"sweep", "calibrate", "engines"},
     {"budget"},
     {"virtual_bench", "correct"},
-    {"diagnose", "silicon", "echoes", "verify", "generated"},
+    {"diagnose", "silicon", "echoes", "verify", "generated", "device_uncertainty"},
     {"charts"},
     {"plots", "report", "firmware"},
     {"study", "explore", "emulation", "fleet", "watch", "accessor", "estimator"},

@@ -35,8 +35,7 @@ ALL: dict[str, Any] = {
     "reference": "gauge.csv",
     "reference_join": "nearest",
 }
-WITHOUT = {"correct": {"sheet", "reference", "reference_join"}, "inspect": {"reference", "reference_join"}}
-WITHOUT["watch"] = WITHOUT["correct"]
+WITHOUT = {"correct": {"sheet"}, "watch": {"sheet", "reference", "reference_join"}}
 
 
 @pytest.mark.parametrize("name", ["diagnose", "verify", "calibrate", "correct", "watch", "inspect"])

@@ -146,7 +146,15 @@ def test_the_command_reads_the_other_log(tmp_path: Path) -> None:
     assert "clock_error" in (tmp_path / "d.json").read_text()
 
 
-def test_a_correction_takes_no_reference() -> None:
-    sensor, gauge = logs(6)
-    with pytest.raises(echocal.UsageError, match="a correction needs no reference"):
-        echocal.correct(sensor, DEVICE, reference=gauge)
+def test_a_correction_leaves_out_what_is_said_of_the_other_log(tmp_path: Path) -> None:
+    """The file of options of a diagnosis serves the correction, too."""
+    sensor, _ = logs(6)
+    sensor.to_csv(tmp_path / "sensor.csv", index=False)
+    plain = echocal.correct(sensor, DEVICE).table["corrected_distance_m"]
+    how = {"columns": COLUMNS, "reference": tmp_path / "gauge.csv", "mount_height": HEIGHT}
+    assert echocal.correct(sensor, DEVICE, **how).table["corrected_distance_m"].equals(plain)
+    echocal.correct_files(tmp_path / "sensor.csv", tmp_path / "out.csv", DEVICE, **how)
+    written = pd.read_csv(tmp_path / "out.csv")["corrected_distance_m"]
+    np.testing.assert_allclose(written, plain, rtol=0, atol=1e-8)
+    with pytest.raises(echocal.UsageError, match="no column 'Stage'"):
+        echocal.correct(sensor, DEVICE, columns=COLUMNS)

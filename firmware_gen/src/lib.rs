@@ -6,7 +6,8 @@
 //! The rooms, from the ground up. A file imports only rooms above its own line in this list, and no two files import each
 //! other; `tests/firmware/test_rooms.py` reads this list and checks it.
 //!
-//! 1. `types`: integer types of C and their ranges. `error`: the errors. `affine`, `jet`, `minimax`: numerics.
+//! 1. `types`: integer types of C and their ranges. `error`: the errors. `affine`, `jet`, `minimax`: numerics. `hash`:
+//!    the hash of all outputs.
 //! 2. `output`: the unit of the result.
 //! 3. `device`: the codes that the device measures.
 //! 4. `ir`: programs of exact integer operations, and the twin.
@@ -24,6 +25,7 @@ pub mod device;
 pub mod emit;
 pub mod error;
 pub mod form;
+pub mod hash;
 pub mod ir;
 pub mod jet;
 pub mod lower;
@@ -36,7 +38,7 @@ pub mod types;
 
 pub use design::{Design, Failure, Progress, Reachable, Request, design};
 pub use device::{Axis, Device, Status};
-pub use emit::{Measurement, Package, Provenance, emit};
+pub use emit::{Measurement, Package, Provenance, Uncertainty, emit};
 pub use error::Error;
 pub use output::Output;
 pub use target::{Prefer, Target};

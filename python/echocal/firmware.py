@@ -9,8 +9,10 @@ from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 from echocal import _core, echoes, silicon
+from echocal.budget.stated import Uncertainties
 from echocal.codes import EchoCodes, HumidityCodes, TemperatureCodes, codes_of, count
 from echocal.conditions import columns
+from echocal.device_uncertainty import expanded_uncertainty
 from echocal.domain import describe
 from echocal.errors import BoundError, DomainWarning, UsageError
 from echocal.generated import Firmware
@@ -27,6 +29,7 @@ Progress = Callable[[str, int, int], object]
 
 _ABSOLUTE_ZERO = -273.15  # degC
 _MOST_THREADS = 65_535  # set by hand, far above any machine
+_WITHOUT_C = ("micropython", "rust")
 _DS18B20 = TemperatureCodes()
 _NAME = re.compile(r"[a-z][a-z0-9]*(_[a-z0-9]+)*")  # valid in C, C++ and Python; no two differ by case alone
 _LONGEST_NAME = 19  # C99 compares 31 characters of an external name (5.2.4.1); _output_hash has 12
@@ -49,6 +52,7 @@ def generate(
     max_table_bytes: int = 1024,
     package: str = "c",
     name: str = "echocal",
+    uncertainties: Iterable[str] | Mapping[str, float] = (),
     measure: bool = False,
     n_threads: int | None = None,
     progress: Progress | None = None,
@@ -89,13 +93,17 @@ def generate(
         ``{"relative_humidity": 0.5}``; default: the air of the model.
     max_table_bytes : int
         Largest size of all tables together [byte].
-    package : {"c", "arduino", "platformio", "esphome", "micropython"}
+    package : {"c", "arduino", "platformio", "esphome", "micropython", "esp-idf", "zephyr", "rust"}
         Kind of files: plain C with its self-test, an Arduino library with an example sketch, a
-        PlatformIO project with the library in it, a configuration for ESPHome, or a module for
-        MicroPython and CircuitPython. All but the last hold the same C.
+        PlatformIO project with the library in it, an external component for ESPHome, a module for
+        MicroPython and CircuitPython, a component for ESP-IDF, a module for Zephyr, or a ``no_std``
+        crate. All but ``"micropython"`` and ``"rust"`` hold the same C.
     name : str
         What the names of files, functions, macros and libraries begin with. Two sensors in one program need
         two names. Lower-case letters, digits and single underscores, at most 19 characters.
+    uncertainties : iterable of str, or mapping of str to float
+        Standard uncertainties of what the device measures or assumes, as in `echocal.correct`:
+        ``["temperature_C=0.5"]`` or ``["thermometer=DHT22"]``, for the uncertainty that the header states.
     measure : bool
         Whether to compile the C for the target's core, run it in a simulator, and state the measured cost in
         header and report (``report["measured"]``). ``c99`` is measured on every core. Cores without an
@@ -133,8 +141,8 @@ def generate(
         message = f"firmware needs a Model, got {type(model).__name__}; Model.load(path) reads a file"
         raise UsageError(message)
     model.refuse_shape("firmware")
-    if measure and package == "micropython":
-        message = "measure needs C, and the package micropython contains none: choose another package"
+    if measure and package in _WITHOUT_C:
+        message = f"measure needs C, and the package {package} contains none: choose another package"
         raise UsageError(message)
     _refuse_name(name)
     codes = _above_absolute_zero(codes_of("temperature", TemperatureCodes, temperature))
@@ -162,24 +170,28 @@ def generate(
         "model_hash": model.hash,
         "diagnosis": diagnosed(model.provenance),
         "standard_uncertainty": stated(model, {**model.air, **assume}, max_distance),
+        "fitted": _fitted(model),
+        "outside_domain": _outside(model, codes, humidity_codes, air),
         "command": "",
     }
     times = echoes.accepted(model._core, request, echo)
     request["echo"] = times.codes
-    request["command"] = _command(request, model_name, assume, measure)
+    texts = _texts(uncertainties)
+    known = Uncertainties.of(texts)
+    request["command"] = _command(request, model_name, assume, texts, measure)
     try:
         core = _core.design_firmware(model._core, request, progress)
     except BoundError as error:
         cost = _cost(_firmware(error.best, []), target, measure=measure)
         message = f"{error}; that function takes {cost}"
         raise BoundError(message) from None
-    _warn_outside(model, codes, humidity_codes, air)
+    for line in request["outside_domain"]:
+        warnings.warn(line, DomainWarning, stacklevel=2)
     echoes.warn_of(times, stacklevel=2)
     made = _firmware(core, [])
-    if not measure:
-        return made
-    found = [silicon.measure(made, name) for name in silicon.cores_of(target)]
-    return _firmware(core, [one.to_dict() for one in found if one is not None])
+    budget = expanded_uncertainty(model, made.report, {**model.air, **assume}, known)
+    found = [silicon.measure(made, core_) for core_ in silicon.cores_of(target)] if measure else []
+    return _firmware(core, [one.to_dict() for one in found if one is not None], budget)
 
 
 def _refuse_name(name: str) -> None:
@@ -205,23 +217,45 @@ def _above_absolute_zero(codes: TemperatureCodes) -> TemperatureCodes:
     return codes
 
 
-def _warn_outside(
+def _fitted(model: Model) -> list[str]:
+    """Return a line for each parameter of the model with a known standard uncertainty."""
+    lines = []
+    for effect, own in model.effects.items():
+        units = {parameter.name: parameter.unit for parameter in find_effect(effect).parameters}
+        for parameter, value in own.items():
+            size = model.standard_uncertainties[f"{effect}.{parameter}"]
+            if size:
+                unit = "" if units[parameter] == "1" else f" {units[parameter]}"
+                size = float(f"{size * (1 + 5e-3):.2e}")  # to three digits, never down
+                lines.append(f"{effect}, {parameter}: {value:g}{unit}, standard uncertainty {size:g}{unit}")
+    return lines
+
+
+def _texts(uncertainties: Iterable[str] | Mapping[str, float]) -> list[str]:
+    if isinstance(uncertainties, Mapping):
+        return [f"{name}={size:.12g}" for name, size in uncertainties.items()]
+    return [uncertainties] if isinstance(uncertainties, str) else [*uncertainties]
+
+
+def _outside(
     model: Model, codes: TemperatureCodes, humidity: HumidityCodes | None, air: list[float]
-) -> None:
-    """Warn if a corner of the code ranges lies outside the domain of the law.
+) -> list[str]:
+    """Return the corners of the code ranges that lie outside the domain of the law, a line each.
 
     The domain's limits are monotone in temperature and humidity, so the corners are enough.
     """
+    lines = []
     humidities = (air[1],) if humidity is None else (humidity.low, humidity.high)
     for end, level in itertools.product((codes.low, codes.high), dict.fromkeys(humidities)):
         where = "in the assumed air" if humidity is None else f"and relative humidity {level:g}"
-        outside = describe(model.law, [end, level, *air[2:4], 0.0], f"outside at {end:g} degC {where}")
-        if outside:
-            warnings.warn(outside, DomainWarning, stacklevel=3)
+        lines.append(describe(model.law, [end, level, *air[2:4], 0.0], f"outside at {end:g} degC {where}"))
+    return [line for line in dict.fromkeys(lines) if line]
 
 
-def _firmware(core: _core.Firmware, measured: list[dict[str, Any]]) -> Firmware:
-    files = dict(core.files(measured))
+def _firmware(
+    core: _core.Firmware, measured: list[dict[str, Any]], budget: dict[str, Any] | None = None
+) -> Firmware:
+    files = dict(core.files(measured, budget))
     return Firmware(files, json.loads(files["report.json"]), core)
 
 
@@ -257,7 +291,13 @@ def _threads(wanted: int | None) -> int:
     return count("n_threads", (os.cpu_count() or 1) if wanted is None else wanted, _MOST_THREADS, least=1)
 
 
-def _command(request: Mapping[str, Any], model_name: str, assume: Mapping[str, float], measure: bool) -> str:
+def _command(
+    request: Mapping[str, Any],
+    model_name: str,
+    assume: Mapping[str, float],
+    uncertainties: list[str],
+    measure: bool,
+) -> str:
     """Return the command line that makes the same files again."""
     tick, shortest, longest = request["echo"]
     package, unit = request["package"], request["output_unit"]
@@ -280,6 +320,7 @@ def _command(request: Mapping[str, Any], model_name: str, assume: Mapping[str, f
         name=None if request["name"] == "echocal" else request["name"],
         accept=request["accept"],
         assume=[f"{name}={value:.12g}" for name, value in sorted(assume.items())],
+        uncertainty=uncertainties,
         measure=measure,
     )
 

@@ -1,12 +1,13 @@
 /*
  * Runs generated firmware: `harness all` prints the hash over every accepted input, `harness each` answers
  * "echo_us temperature_code" lines (and the humidity code
- * where it is taken). The hash is defined in firmware_gen/src/prove.rs.
+ * where it is taken).
  */
 #include <stdio.h>
 #include <string.h>
 
 #include "echocal_correction.h"
+#include "hash.h"
 
 /* The function's name and the type of its temperature, where they are others than most. */
 #ifndef DISTANCE
@@ -29,14 +30,9 @@
 #define CALL(echo, code, damp) DISTANCE((uint16_t)(echo), (CODE)(code))
 #endif
 
-static uint32_t fold(uint32_t hash, uint32_t word)
+static uint64_t hash_of_all(void)
 {
-    return (hash ^ word) * UINT32_C(16777619);
-}
-
-static uint32_t hash_of_all(void)
-{
-    uint32_t all = UINT32_C(2166136261);
+    uint64_t all = 0;
     int32_t code;
     int32_t echo;
     for (code = ECHOCAL_TEMPERATURE_CODE_FIRST; code <= ECHOCAL_TEMPERATURE_CODE_LAST; code++) {
@@ -45,11 +41,9 @@ static uint32_t hash_of_all(void)
         for (damp = ECHOCAL_HUMIDITY_CODE_FIRST; damp <= ECHOCAL_HUMIDITY_CODE_LAST; damp++)
 #endif
         {
-            uint32_t row = UINT32_C(2166136261);
             for (echo = ECHO_FIRST; echo <= ECHO_LAST; echo++) {
-                row = fold(row, (uint32_t)CALL(echo, code, damp));
+                all = append(all, (uint32_t)CALL(echo, code, damp));
             }
-            all = fold(all, row);
         }
     }
     return all;
@@ -68,7 +62,7 @@ int main(int count, char **arguments)
 #define READ(echo, code) scanf("%u %d", &(echo), &(code))
 #endif
     if (count > 1 && strcmp(arguments[1], "all") == 0) {
-        printf("%08lx\n", (unsigned long)hash_of_all());
+        printf("%016llx\n", (unsigned long long)hash_of_all());
         return 0;
     }
     while (READ(echo, code) == inputs) {

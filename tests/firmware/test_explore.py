@@ -100,4 +100,4 @@ def test_options_that_make_no_sense_together_are_refused(
     for more in (["--measure"], ["--prefer", "speed"]):
         assert run(monkeypatch, "model.json", "--explore", *more, "-o", "made") == 2
         told = " ".join(capsys.readouterr().err.split())
-        assert "leave out --prefer, --form, --measure, --package and --report" in told
+        assert "leave out --prefer, --form, --measure, --uncertainty, --package, --name and --report" in told

@@ -93,10 +93,10 @@ def test_worst_input_and_golden_vectors_name_the_humidity() -> None:
     error = abs(int(made.distance_um(*codes)) * 1e-6 - truth)
     assert error == pytest.approx(made.report["error_proven_m"], rel=1e-6)
     lines = made.files["echocal_golden.csv"].splitlines()
-    assert lines[0] == "echo_us,temperature_code,humidity_code,distance_um"
+    assert lines[0] == "echo_us,temperature_code,humidity_code,distance_um,status"
     for line in itertools.islice(lines, 1, None, 37):
-        *inputs, output = map(int, line.split(","))
-        assert int(made.distance_um(*inputs)) == output
+        *inputs, output, status = map(int, line.split(","))
+        assert (int(made.distance_um(*inputs)), int(made.status(*inputs))) == (output, status)
 
 
 @pytest.mark.parametrize(

@@ -59,7 +59,9 @@ def test_two_link_on_an_avr(tmp_path: Path) -> None:
     )
 
 
-@pytest.mark.parametrize("package", ["c", "arduino", "platformio", "esphome", "micropython"])
+@pytest.mark.parametrize(
+    "package", ["c", "arduino", "platformio", "esphome", "micropython", "esp-idf", "zephyr", "rust"]
+)
 def test_a_name_leaves_nothing_of_the_usual_one(package: str) -> None:
     request = {"temperature": HALF_DEGREES, "package": package, "form": "interpolated_table"}
     usual = firmware.generate(Model("cramer"), max_error=0.2e-3, **request)

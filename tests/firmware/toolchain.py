@@ -3,9 +3,11 @@
 import subprocess
 from pathlib import Path
 
+from echocal import silicon
 from echocal.firmware import Firmware
 
 HERE = Path(__file__).parent
+SILICON = Path(silicon.__file__).parent
 STRICT = ("-Wall", "-Wextra", "-Wconversion", "-Wsign-conversion", "-Wshadow", "-pedantic", "-Werror")
 C_COMPILERS = ("gcc", "clang")
 CXX_COMPILERS = ("g++", "clang++")
@@ -24,7 +26,17 @@ def build(made: Firmware, folder: Path, compiler: str = "gcc", *flags: str) -> P
     made.save(folder)
     program = folder / f"harness-{compiler}"
     sources = (folder / "echocal_correction.c", HERE / "harness.c")
-    run(compiler, "-std=c99", *STRICT, *(flags or ("-O2",)), f"-I{folder}", *sources, "-o", program)
+    run(
+        compiler,
+        "-std=c99",
+        *STRICT,
+        *(flags or ("-O2",)),
+        f"-I{folder}",
+        f"-I{SILICON}",
+        *sources,
+        "-o",
+        program,
+    )
     return program
 
 

@@ -3,14 +3,18 @@
 mod c;
 mod golden;
 mod package;
+mod parts;
 mod python;
+mod reach;
 mod report;
+mod rust;
 mod selftest;
 mod status;
+mod templates;
 mod text;
 
 pub use package::{PACKAGES, Package};
-pub use report::{Measurement, Provenance};
+pub use report::{Measurement, Provenance, Uncertainty};
 
 use crate::design::Design;
 use crate::device::{Axis, Device};
@@ -104,18 +108,27 @@ pub fn emit(
     device: &Device,
     provenance: &Provenance,
     measured: &[Measurement],
+    uncertainty: &Uncertainty,
 ) -> Result<Vec<(String, String)>, Error> {
+    let reach = reach::reach(design, device);
     let package = Package::parse(&provenance.package)?;
     let (vectors, count) = selftest::columns(design, device);
+    let outputs = format!("{:08x}", design.proof.hash);
     let context = context! {
+        library => library(provenance),
+        library_version => format!("{}+{outputs}", provenance.version),
         provenance,
         measured,
         function => function_text(design, device, &provenance.name),
         name => provenance.name,
         statuses => status::statuses(device),
         time_out => device.time_out(),
+        reach,
+        bounded_to => provenance.maximum_distance.min((reach.sometimes.1 * 1e3).ceil() / 1e3),
+        uncertainty => uncertainty_text(uncertainty, device),
         echo_timeout_us => echo_timeout(&device.echo),
         python => python_text(design, &provenance.name),
+        rust => rust_text(design, device, &provenance.name),
         proof => proof_text(design, device, provenance.maximum_error),
         selftest => context! { columns => vectors, count },
     };
@@ -124,9 +137,17 @@ pub fn emit(
     files.push((golden, golden::golden(design, device)));
     files.push((
         "report.json".into(),
-        report::report(design, device, provenance, measured),
+        report::report(design, device, provenance, (measured, uncertainty), reach),
     ));
     Ok(files)
+}
+
+/// Name of a library: of one model, unless it was given.
+fn library(provenance: &Provenance) -> String {
+    match provenance.name.as_str() {
+        "echocal" => format!("Echocal_{:.8}", provenance.model_hash),
+        given => given.to_owned(),
+    }
 }
 
 /// Longest time \[us\] from a trigger pulse to the end of an echo that the function accepts, however the timer rounds.
@@ -136,8 +157,20 @@ fn echo_timeout(echo: &Axis) -> f64 {
 
 /// The function in Python.
 fn python_text(design: &Design, name: &str) -> minijinja::Value {
-    let (locals, result) = renamed(python::statements(&design.program), name);
-    context! { locals, result }
+    let (locals, result, heap) = python::statements(&design.program);
+    let (locals, result) = renamed((locals, result), name);
+    context! { locals, result, heap, tables => python::tables(&design.program, name) }
+}
+
+/// The function in Rust.
+fn rust_text(design: &Design, device: &Device, name: &str) -> minijinja::Value {
+    let (locals, result) = renamed(rust::statements(&design.program), name);
+    let types = device.axes().map(|axis| rust::name(axis.ty));
+    context! {
+        locals, result,
+        types => types.collect::<Vec<_>>(),
+        tables => rust::tables(&design.program, name),
+    }
 }
 
 /// The function: parameters, range checks, tables, statements.
@@ -181,7 +214,21 @@ fn proof_text(design: &Design, device: &Device, asked: f64) -> minijinja::Value 
         overall_worst => input(proof.overall),
         inputs => grouped(proof.inputs),
         bounded_inputs => grouped(proof.bounded_inputs),
-        hash => format!("{:08x}", proof.hash),
+        hash => format!("{:016x}", proof.hash),
+    }
+}
+
+/// The expanded uncertainty, and the integers of the function that gives it to the device: [um] at 0, and [um] per 2^8
+/// steps of the shifted output, both rounded up.
+fn uncertainty_text(uncertainty: &Uncertainty, device: &Device) -> minijinja::Value {
+    let shift = if device.output.is_coarse() { 0 } else { 8 };
+    let step = device.output.lsb * 1e6 * f64::from(1 << shift); // um
+    context! {
+        includes => uncertainty.includes,
+        expanded => uncertainty.expanded,
+        shift,
+        offset => (uncertainty.offset * 1e6).ceil() as u64,
+        slope => (uncertainty.slope * step * 256.0).ceil() as u64,
     }
 }
 

@@ -1,5 +1,6 @@
 //! The machine-readable report. Every figure in it was proven or measured; figures that were not measured are null.
 
+use super::reach::Reach;
 use crate::design::Design;
 use crate::device::{Device, Status};
 use crate::prove::Worst;
@@ -31,8 +32,17 @@ pub struct Provenance {
     /// Standard uncertainty \[m\] of a distance \[m\] that the model corrects, at 20 degC; empty if it states none.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub standard_uncertainty: Vec<(f64, f64)>,
+    /// Each parameter with a known standard uncertainty, a line each.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub fitted: Vec<String>,
+    /// Where the accepted codes leave the domain of the law, a line each.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub outside_domain: Vec<String>,
     /// The assumed values of conditions that the device does not measure, a line each.
     pub assumptions: Vec<String>,
+    /// The effects and conditions behind them: effect, quantity, whether a value is assumed, error left \[m\].
+    #[serde(skip)]
+    pub omissions: Vec<Value>,
     /// Requested error bound \[m\].
     pub maximum_error: f64,
     /// Distances up to this are bounded \[m\].
@@ -68,12 +78,26 @@ pub struct Measurement {
     pub fewest_instructions: Option<u64>,
 }
 
+/// The uncertainty of a distance that the device gives.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Uncertainty {
+    /// What it includes, a line each.
+    pub includes: Vec<String>,
+    /// Distance \[m\] and expanded uncertainty there \[m\].
+    pub expanded: Vec<(f64, f64)>,
+    /// A line that is nowhere below it: its value at 0 \[m\].
+    pub offset: f64,
+    /// The slope of that line \[1\].
+    pub slope: f64,
+}
+
 /// `report.json`: the keys in alphabetical order, so that equal reports are equal bytes.
 pub fn report(
     design: &Design,
     device: &Device,
     provenance: &Provenance,
-    measured: &[Measurement],
+    (measured, uncertainty): (&[Measurement], &Uncertainty),
+    reach: Reach,
 ) -> String {
     let proof = &design.proof;
     let here = measured
@@ -88,17 +112,20 @@ pub fn report(
         "first_time_out_code": device.time_out(),
         "target": provenance.target,
         "assumptions": provenance.assumptions,
+        "omissions": provenance.omissions,
         "device": device,
         "form": form(design),
         "error_bound_m": provenance.maximum_error,
         "maximum_distance_m": provenance.maximum_distance,
         "error_proven_m": proof.bounded.error * device.output.lsb,
+        "expanded_uncertainty": uncertainty,
+        "reach_m": reach,
         "worst_input": input(device, proof.bounded),
         "inputs_within": proof.bounded_inputs,
         "error_overall_m": proof.overall.error * device.output.lsb,
         "worst_input_overall": input(device, proof.overall),
         "inputs_checked": proof.inputs,
-        "output_hash": format!("{:08x}", proof.hash),
+        "output_hash": format!("{:016x}", proof.hash),
         "overflow_free": true,
         "monotone_in_echo_time": true,
         "table_bytes": design.program.table_bytes(),

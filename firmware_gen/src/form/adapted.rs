@@ -5,7 +5,7 @@
 //! `c + y * (y + x + d)` is of degree 4. Every number is natural and of 16 bits, every product loses its lower 16 bits.
 
 use super::contract::{Fit, Form, center};
-use super::steps::temperature_index;
+use super::steps::{INDEX_STARTS as BEFORE, temperature_index_from};
 use crate::ir::{Builder, Value};
 use crate::minimax::{Points, minimax};
 
@@ -16,10 +16,15 @@ pub(super) const NAME: &str = "adapted";
 const POINTS: usize = 96;
 /// Binary places that a product loses: two bytes, so that no bits are shifted.
 const BITS: u32 = 16;
-/// Candidates of each degree. Set by hand.
-const KEPT: usize = 2;
+/// Shapes of a degree that are refined. Set by hand.
+const SHAPES: usize = 12;
+/// Descents from constants that are changed at random, and the most that each is changed by. Set by hand.
+const RESTARTS: usize = 6;
+const AWAY: i64 = 24;
+/// They are tried if the error is at most this many times the bound. Set by hand.
+const NEAR: f64 = 1.4;
 /// Steps of the descent over integers. Set by hand.
-const STEPS: [i64; 4] = [64, 16, 4, 1];
+const STEPS: [i64; 3] = [16, 4, 1];
 /// Most rounds with each step. Set by hand; a round without an improvement ends the step.
 const ROUNDS: usize = 30;
 /// Share of the error of the best polynomial with this leading coefficient that no rounding undercuts. Set by hand.
@@ -86,6 +91,8 @@ fn sum(builder: &mut Builder<'_>, constant: i64, terms: &[(i64, Value)]) -> Valu
 /// A polynomial.
 #[derive(Clone, Debug)]
 struct Adapted {
+    /// The code that `u` is counted from lies so far below the coldest.
+    before: i64,
     multiplier: i64,
     /// `x + a`, or `a - x`.
     line: Signed,
@@ -133,6 +140,17 @@ fn solve(fit: &Fit<'_>, degree: usize, leading: f64) -> (Vec<f64>, f64) {
     (found, error)
 }
 
+/// Coefficients of the same polynomial in a variable that is larger by `more`.
+fn moved(found: &[f64], more: f64) -> Vec<f64> {
+    let mut moved = found.to_vec();
+    for least in 0..moved.len() {
+        for k in (least..moved.len() - 1).rev() {
+            moved[k] = more.mul_add(-moved[k + 1], moved[k]);
+        }
+    }
+    moved
+}
+
 pub(super) fn propose(fit: &Fit<'_>) -> Vec<Box<dyn Form>> {
     let codes = fit.target.len();
     if fit.core.least_bits >= 32 || codes < 8 {
@@ -141,16 +159,14 @@ pub(super) fn propose(fit: &Fit<'_>) -> Vec<Box<dyn Form>> {
     let mut found: Vec<Box<dyn Form>> = Vec::new();
     for degree in [4, 5] {
         let (ideal, _) = solve(fit, degree, 0.0);
-        let mut made = shapes(fit, degree, ideal[degree]);
-        made.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let kept = made.into_iter().take(KEPT);
-        found.extend(kept.map(|(_, form)| Box::new(form) as _));
+        let made = shapes(fit, degree, ideal[degree]).into_iter();
+        found.extend(made.take(1).map(|(_, form)| Box::new(form) as _));
     }
     found
 }
 
 /// The polynomials of a degree whose leading coefficient is near `leading`, with their errors as they are rounded
-/// \[unit\].
+/// \[unit\], the least first.
 fn shapes(fit: &Fit<'_>, degree: usize, leading: f64) -> Vec<(f64, Adapted)> {
     let last = fit.target.len() as i64 - 1;
     let unit = f64::from(BITS).exp2();
@@ -168,14 +184,20 @@ fn shapes(fit: &Fit<'_>, degree: usize, leading: f64) -> Vec<(f64, Adapted)> {
             if floor > fit.bound {
                 continue;
             }
-            for slant in [-2, -1, 1, 2] {
+            for (slant, before) in [-2, -1, 1, 2]
+                .into_iter()
+                .flat_map(|slant| (0..BEFORE).map(move |before| (slant, before)))
+            {
+                let found = moved(&found, before as f64);
                 let form = Adapted::of(&found, multiplier, (twice, slant), floor);
+                let form = form.map(|form| Adapted { before, ..form });
                 let form = form.map(|form| form.turned(last / 2));
                 let form = form.filter(|form| form.is_natural(last));
                 made.extend(form.map(|mut form| (form.settle(fit), form)));
             }
         }
     }
+    made.sort_by(|a, b| a.0.total_cmp(&b.0));
     made
 }
 
@@ -206,6 +228,7 @@ impl Adapted {
         let (a, b, c, d) = (round(a)?, round(b)?, round(c)?, round(d)?);
         let sign = sign as i64;
         let form = Self {
+            before: 0,
             multiplier: multiplier as i64,
             line: Signed {
                 constant: a,
@@ -256,7 +279,7 @@ impl Adapted {
 
     /// `x`, the line, the parabola, the second factor, the quartic.
     fn steps(&self, u: i64) -> [i64; 5] {
-        let x = self.multiplier * u;
+        let x = self.multiplier * (u + self.before);
         let line = self.line.of(x);
         let y = self.parabola.of((x * line) >> BITS);
         let (constant, twice, slant) = self.second;
@@ -282,6 +305,80 @@ impl Adapted {
         fit.error(&given)
     }
 
+    const fn degree(&self) -> usize {
+        if self.base.is_some() { 5 } else { 4 }
+    }
+
+    /// The best constants that are found from these, until the bound is met, and their error \[unit\].
+    fn improved(&self, fit: &Fit<'_>) -> (f64, Self) {
+        let moves = self.moves();
+        let mut best = self.descended(fit, &moves);
+        let mut draw = 1_u64;
+        for _ in 0..RESTARTS {
+            if best.0 <= fit.bound || best.0 > NEAR * fit.bound {
+                break;
+            }
+            let mut other = best.1.clone();
+            let mut by = [0; 4];
+            for by in by.iter_mut().take(self.degree() - 1) {
+                draw = draw.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+                *by = (draw >> 33) as i64 % (2 * AWAY + 1) - AWAY;
+            }
+            other.change(by);
+            let found = other.descended(fit, &moves);
+            if found.0 < best.0 {
+                best = found;
+            }
+        }
+        best
+    }
+
+    /// Changes of one constant, and of two.
+    fn moves(&self) -> Vec<[i64; 4]> {
+        let mut moves: Vec<[i64; 4]> = Vec::new();
+        for one in 0..self.degree() - 1 {
+            let mut single = [0; 4];
+            single[one] = 1;
+            moves.push(single);
+            for other in 0..one {
+                for way in [1, -1] {
+                    let mut pair = single;
+                    pair[other] = way;
+                    moves.push(pair);
+                }
+            }
+        }
+        moves
+    }
+
+    /// The constants to which single steps lead that each leave less error, and that error \[unit\].
+    fn descended(&self, fit: &Fit<'_>, moves: &[[i64; 4]]) -> (f64, Self) {
+        let last = fit.target.len() as i64 - 1;
+        let mut best = (self.clone().settle(fit), self.clone());
+        if !self.is_natural(last) {
+            best.0 = f64::INFINITY;
+        }
+        for step in STEPS {
+            for _ in 0..ROUNDS {
+                let before = best.0;
+                for by in moves {
+                    for way in [step, -step] {
+                        let mut trial = best.1.clone();
+                        trial.change(by.map(|by| by * way));
+                        let error = trial.settle(fit);
+                        if error < best.0 && trial.is_natural(last) {
+                            best = (error, trial);
+                        }
+                    }
+                }
+                if best.0 == before {
+                    break;
+                }
+            }
+        }
+        best
+    }
+
     fn set_last(&mut self, constant: i64) {
         match &mut self.base {
             Some(base) => base.constant = constant,
@@ -304,14 +401,16 @@ impl Form for Adapted {
     }
 
     fn describe(&self) -> String {
-        let degree = if self.base.is_some() { 5 } else { 4 };
-        format!("polynomial of degree {degree} in the temperature code, with adapted coefficients")
+        format!(
+            "polynomial of degree {} in the temperature code, with adapted coefficients",
+            self.degree()
+        )
     }
 
     fn parameters(&self) -> serde_json::Value {
         let pair = |signed: Signed| (signed.sign, signed.constant);
         serde_json::json!({
-            "multiplier": self.multiplier, "line": pair(self.line), "parabola": pair(self.parabola),
+            "before": self.before, "multiplier": self.multiplier, "line": pair(self.line), "parabola": pair(self.parabola),
             "second_factor": self.second, "quartic": pair(self.quartic), "base": self.base.map(pair), "shift": BITS,
         })
     }
@@ -321,7 +420,7 @@ impl Form for Adapted {
     }
 
     fn build(&self, builder: &mut Builder<'_>) -> Value {
-        let u = temperature_index(builder);
+        let u = temperature_index_from(builder, self.before);
         let multiplier = builder.constant(self.multiplier);
         let x = builder.multiply(u, multiplier);
         let x = builder.name(x, "scaled", "temperature index, scaled");
@@ -350,38 +449,17 @@ impl Form for Adapted {
     }
 
     fn refine(&mut self, fit: &Fit<'_>) {
+        let (ideal, _) = solve(fit, self.degree(), 0.0);
+        let mut made = shapes(fit, self.degree(), ideal[self.degree()]);
+        made.truncate(SHAPES);
         let mut best = (self.settle(fit), self.clone());
-        let free = if self.base.is_some() { 4 } else { 3 };
-        let last = fit.target.len() as i64 - 1;
-        let mut moves: Vec<[i64; 4]> = Vec::new();
-        for one in 0..free {
-            let mut single = [0; 4];
-            single[one] = 1;
-            moves.push(single);
-            for other in 0..one {
-                for way in [1, -1] {
-                    let mut pair = single;
-                    pair[other] = way;
-                    moves.push(pair);
-                }
+        for start in made {
+            let found = start.1.improved(fit);
+            if found.0 < best.0 {
+                best = found;
             }
-        }
-        for step in STEPS {
-            for _ in 0..ROUNDS {
-                let before = best.0;
-                for by in &moves {
-                    for way in [step, -step] {
-                        let mut trial = best.1.clone();
-                        trial.change(by.map(|by| by * way));
-                        let error = trial.settle(fit);
-                        if error < best.0 && trial.is_natural(last) {
-                            best = (error, trial);
-                        }
-                    }
-                }
-                if best.0 == before {
-                    break;
-                }
+            if best.0 <= fit.bound {
+                break;
             }
         }
         *self = best.1;

@@ -7,7 +7,7 @@
 //! eight binary places, and `x` is the middle of its product with `u`.
 
 use super::contract::{Fit, Form, center};
-use super::steps::{plus, temperature_index};
+use super::steps::{INDEX_STARTS, plus, temperature_index_from};
 use crate::ir::{Builder, Value};
 use crate::minimax::{Points, minimax};
 
@@ -23,6 +23,8 @@ const REACH: i64 = 4;
 const PLACES: u32 = 8;
 /// The search for that factor covers this many integers on either side. Set by hand.
 const FINE_REACH: i64 = 24;
+/// Other starts of the index are tried if the error is at most this many times the bound. Set by hand.
+const NEAR: f64 = 1.5;
 /// Largest factor of the second line that is tried if the first line must fit 16 bits. Set by hand.
 const FLATTEST: i64 = 4;
 /// Bits of a 32-bit product that may be used: a tenth of a bit is left for the rounding of the constants.
@@ -33,6 +35,8 @@ const MOST_PLACES: i32 = 24;
 /// `base + sign * ((steep * u * (far - bent * (flat * u - lean * (steep * u >> 8)))) >> shift)`.
 #[derive(Clone, Debug)]
 struct Factored {
+    /// The code that `u` is counted from lies so far below the coldest.
+    before: i64,
     base: i64,
     far: i64,
     steep: i64,
@@ -95,6 +99,7 @@ pub(super) fn propose(fit: &Fit<'_>) -> Vec<Box<dyn Form>> {
     }
     let (grows, falls) = (slope > 0.0, slope * bend < 0.0);
     let blank = |(steep, places, flat, lean), shift| Factored {
+        before: 0,
         base: 0,
         far: 0,
         steep,
@@ -196,7 +201,8 @@ impl Factored {
 
     /// The largest error \[unit\], the base set to what suits the lines best.
     fn settle(&mut self, fit: &Fit<'_>) -> f64 {
-        let parts: Vec<i64> = (0..fit.target.len() as i64).map(|u| self.part(u)).collect();
+        let codes = self.before..self.before + fit.target.len() as i64;
+        let parts: Vec<i64> = codes.map(|u| self.part(u)).collect();
         let settled: Vec<f64> = parts.iter().map(|part| *part as f64).collect();
         self.base = center(fit, &settled);
         let given: Vec<i64> = parts.iter().map(|part| part + self.base).collect();
@@ -231,7 +237,7 @@ impl Form for Factored {
 
     fn parameters(&self) -> serde_json::Value {
         serde_json::json!({
-            "base": self.base, "far": self.far, "steep": self.steep, "steep_places": self.places, "flat": self.flat,
+            "before": self.before, "base": self.base, "far": self.far, "steep": self.steep, "steep_places": self.places, "flat": self.flat,
             "lean": self.lean,
             "falls": self.falls, "grows": self.grows, "shift": self.shift,
         })
@@ -242,7 +248,7 @@ impl Form for Factored {
     }
 
     fn build(&self, builder: &mut Builder<'_>) -> Value {
-        let u = temperature_index(builder);
+        let u = temperature_index_from(builder, self.before);
         let mut steep = times(builder, u, self.steep);
         if self.places > 0 {
             steep = builder.shift_right(steep, self.places);
@@ -278,19 +284,28 @@ impl Form for Factored {
         // Without binary places another factor of the first line is another curvature.
         let reach = if self.places > 0 { FINE_REACH } else { 0 };
         let mut best = (f64::INFINITY, self.clone());
-        for steep in (steep - reach).max(1)..=steep + reach {
-            // The product of both is the slope.
-            let middle = (far * self.steep + steep / 2) / steep;
-            for far in middle - REACH..=middle + REACH {
-                let mut trial = Self {
-                    far,
-                    steep,
-                    ..self.clone()
-                };
-                let error = trial.settle(fit);
-                if error < best.0 {
-                    best = (error, trial);
+        let sign = if self.falls { 1 } else { -1 };
+        for before in 0..INDEX_STARTS {
+            for steep in (steep - reach).max(1)..=steep + reach {
+                // The product of both is the slope at the coldest code.
+                let middle = (far * self.steep + steep / 2) / steep;
+                let middle = middle + 2 * sign * self.flat * before;
+                for far in middle - REACH..=middle + REACH {
+                    let mut trial = Self {
+                        before,
+                        far,
+                        steep,
+                        ..self.clone()
+                    };
+                    let error = trial.settle(fit);
+                    if error < best.0 {
+                        best = (error, trial);
+                    }
                 }
+            }
+            // Another start costs nothing, but takes its time.
+            if best.0 <= fit.bound || best.0 > NEAR * fit.bound {
+                break;
             }
         }
         *self = best.1;

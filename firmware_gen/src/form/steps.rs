@@ -2,27 +2,34 @@
 
 use crate::ir::{Builder, Value};
 
+/// Codes below the coldest that an index can be counted from, the coldest among them. A product with the index is zero
+/// at its first code: the fraction of a unit by which the speed factor there is off cannot be cut off in another place,
+/// unless the index starts elsewhere. Set by hand: so many codes of 1/16 degC change a factor of
+/// 16 bits by more than two units.
+pub(super) const INDEX_STARTS: i64 = 16;
+
 /// The temperature code counted from the coldest code that the function accepts.
 pub(super) fn temperature_index(builder: &mut Builder<'_>) -> Value {
+    temperature_index_from(builder, 0)
+}
+
+/// The temperature code counted from so many codes `before` the coldest.
+pub(super) fn temperature_index_from(builder: &mut Builder<'_>, before: i64) -> Value {
     let axis = &builder.device().conditions[0];
-    let (lowest, note) = (
-        axis.codes.minimum,
-        format!(
-            "temperature code minus the code of {} {}",
-            axis.value(axis.codes.minimum),
-            axis.unit
-        ),
+    let first = axis.codes.minimum - before;
+    let note = format!(
+        "temperature code minus the code of {} {}",
+        axis.value(first),
+        axis.unit
     );
     let code = builder.condition(0);
-    if lowest == 0 {
+    if first == 0 {
         return code;
     }
-    let offset = builder.constant(lowest.abs());
-    let value = if lowest < 0 {
-        builder.add(code, offset)
-    } else {
-        builder.subtract(code, offset)
-    };
+    let value = plus(builder, code, -first);
+    if before > 0 {
+        return builder.name(value, "index", note);
+    }
     let prefix = builder.set_prefix(""); // all forms in one program share this variable
     let value = builder.name(value, "temperature_index", note);
     builder.set_prefix(prefix);

@@ -191,7 +191,22 @@ impl Lowered {
             assumed,
             reason,
             left: alone.spread(settled, range, (quantity, &unknown)),
+            added: assumed.map_or(0.0, |_| self.less(&alone.model, range)),
         })
+    }
+
+    /// How much less than the distance of a model this one's is at most, at the largest distance of the range \[m\].
+    fn less(&self, other: &Model, range: &Range<'_>) -> f64 {
+        let rows = (0..=STEPS).map(|step| (rows(range.conditions) - 1) * step / STEPS);
+        let less = rows.map(|row| {
+            let at = self.at(&values(range.conditions, row));
+            let far = range.distance.min(other.distance(range.longest, &at));
+            far - self.model.distance(other.time_of_flight(far, &at), &at)
+        });
+        less.fold(
+            0.0,
+            |most: f64, one| if one.abs() > most.abs() { one } else { most },
+        )
     }
 
     /// What an effect reads that is neither measured nor assumed.
@@ -218,6 +233,7 @@ impl Lowered {
                 assumed,
                 reason: None,
                 left,
+                added: 0.0,
             });
         }
     }

@@ -1,9 +1,10 @@
 //! Brute force: one row, every echo code, every step of the twin. It serves where nothing quicker is proven, and it is
 //! what the quick proof is tested against.
 
-use super::claim::{Claim, SEED, fold};
+use super::claim::Claim;
 use super::row::{Fault, Row, Times};
 use crate::error::Error;
+use crate::hash::Hash;
 use crate::ir::{Block, LANES, Program};
 
 /// One thread's working memory.
@@ -29,7 +30,7 @@ impl<'a> Checker<'a> {
         })
     }
 
-    pub(super) fn row(&mut self, row: usize) -> Result<(Row, u32), Error> {
+    pub(super) fn row(&mut self, row: usize) -> Result<(Row, Hash), Error> {
         let device = self.claim.device;
         let fault = Fault { device, row };
         let ends = (device.echo.codes.minimum, device.echo.codes.maximum);
@@ -40,7 +41,7 @@ impl<'a> Checker<'a> {
         self.block.set_conditions(&codes).map_err(overflow)?;
         let mut lanes = [0_i32; LANES];
         let mut result = Row::new(row, self.claim);
-        let (mut before, mut hash) = (i32::MIN, SEED);
+        let (mut before, mut hash) = (i32::MIN, Hash::default());
         for (index, truth) in self.truth.chunks(LANES).enumerate() {
             let first = ends.0 + (index * LANES) as i64;
             let found = self.block.evaluate(first, ends.1).map_err(overflow)?;
@@ -52,8 +53,7 @@ impl<'a> Checker<'a> {
                 return Err(Error::Proof(fault.at(first + fall as i64, what)));
             }
             before = outputs[outputs.len() - 1];
-            let folded = |hash, output: &i32| fold(hash, *output as u32);
-            hash = outputs.iter().fold(hash, folded);
+            hash.extend(outputs);
             if !result.take(outputs, truth, first) {
                 return Err(fault.no_distance(first));
             }

@@ -44,20 +44,9 @@ pub struct Proof {
     pub inputs: u64,
     /// Inputs within the bounded domain.
     pub bounded_inputs: u64,
-    /// Hash of all outputs in order, see [`fold`].
-    pub hash: u32,
+    /// Hash of all outputs in order: see [`Hash`](crate::hash::Hash).
+    pub hash: u64,
 }
-
-/// One step of the hash over outputs (FNV-1a with words for bytes): short enough to be repeated on any target.
-///
-/// Each row of echo times is folded from [`SEED`]; the rows' hashes are folded from [`SEED`] again.
-#[must_use]
-pub const fn fold(hash: u32, word: u32) -> u32 {
-    (hash ^ word).wrapping_mul(16_777_619)
-}
-
-/// Initial value of the hash: the offset basis of FNV-1a for 32 bits.
-pub const SEED: u32 = 2_166_136_261;
 
 /// What is to be proven.
 #[derive(Clone, Copy)]

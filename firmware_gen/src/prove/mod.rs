@@ -3,28 +3,20 @@
 mod checker;
 mod claim;
 mod crew;
-mod hash;
 mod quick;
 mod row;
 mod straight;
 
 use crate::error::Error;
+use crate::hash::Hash;
 use crate::ir::Program;
 use checker::Checker;
 use crew::each;
 use quick::{Quick, Records};
 use row::{Fault, Row, Times};
 
-pub use claim::{Claim, Proof, SEED, Worst, fold};
+pub use claim::{Claim, Proof, Worst};
 pub(crate) use straight::Straight;
-
-/// How a row was proven, and with what outcome.
-enum Checked {
-    /// By bounds; its outputs are to be hashed.
-    Quick(Row, Straight),
-    /// At every echo code; with the hash of its outputs.
-    Every(Row, u32),
-}
 
 /// One thread of the proof.
 struct Prover<'a> {
@@ -38,23 +30,17 @@ struct Prover<'a> {
 }
 
 impl Prover<'_> {
-    fn row(&mut self, row: usize) -> Result<Checked, Error> {
+    fn row(&mut self, row: usize) -> Result<(Row, Hash), Error> {
         let quick = if self.every { None } else { self.quick(row)? };
-        let checked = match quick {
-            Some((result, straight)) => Checked::Quick(result, straight),
-            None => {
-                let (result, hash) = self.checker.row(row)?;
-                Checked::Every(result, hash)
-            }
-        };
-        let error = checked.row().bounded.error;
+        let checked = quick.map_or_else(|| self.checker.row(row), Ok)?;
+        let error = checked.0.bounded.error;
         if error > self.claim.most {
             return Err(Error::Beyond(error));
         }
         Ok(checked)
     }
 
-    fn quick(&self, row: usize) -> Result<Option<(Row, Straight)>, Error> {
+    fn quick(&self, row: usize) -> Result<Option<(Row, Hash)>, Error> {
         let device = self.claim.device;
         let ends = (device.echo.codes.minimum, device.echo.codes.maximum);
         let straight = Straight::of(self.program, &device.codes(row), ends)
@@ -72,15 +58,8 @@ impl Prover<'_> {
             row,
             conditions,
         };
-        Ok(quick.check()?.map(|row| (row, straight)))
-    }
-}
-
-impl Checked {
-    const fn row(&self) -> &Row {
-        match self {
-            Self::Quick(row, _) | Self::Every(row, _) => row,
-        }
+        let hash = |row| (row, straight.hash(device.echo.codes));
+        Ok(quick.check()?.map(hash))
     }
 }
 
@@ -125,15 +104,12 @@ fn run(
         overall: Worst::NONE,
         inputs: claim.device.inputs(),
         bounded_inputs: 0,
-        hash: SEED,
+        hash: 0,
     };
-    let mut lines = vec![None; rows];
     let mut hashes = vec![None; rows];
-    // Half of the work is to bound the errors, half to hash the outputs.
-    let (inputs, threads) = (proof.inputs, claim.threads);
-    let half = |done: usize, of: usize| (inputs as f64 / 2.0 * done as f64 / of as f64) as u64;
+    let width = claim.device.echo.len() as u64;
     each(
-        threads,
+        claim.threads,
         rows,
         || {
             let mut prover = Prover {
@@ -146,51 +122,20 @@ fn run(
             };
             Ok(move |row| prover.row(row))
         },
-        &mut |row, checked: Checked| {
-            let found = checked.row();
+        &mut |row, (found, hash): (Row, Hash)| {
             proof.bounded = proof.bounded.or(found.bounded);
             proof.overall = proof.overall.or(found.overall);
             proof.bounded_inputs += found.within;
-            match checked {
-                Checked::Quick(_, straight) => lines[row] = Some(straight),
-                Checked::Every(_, hash) => hashes[row] = Some(hash),
-            }
+            hashes[row] = Some(hash);
         },
-        &mut |done| progress(half(done, rows)),
+        &mut |done| progress(done as u64 * width),
     )?;
-    let straight: Vec<usize> = (0..rows).filter(|row| lines[*row].is_some()).collect();
-    let groups: Vec<&[usize]> = straight.chunks(hash::ROWS).collect();
-    each(
-        threads,
-        groups.len(),
-        || {
-            Ok(|group: usize| {
-                let line = |row: &usize| lines[*row];
-                let mut found = groups[group].iter().filter_map(line);
-                let first = found.next().ok_or(Error::Stopped)?;
-                let rows = std::array::from_fn(|k| {
-                    if k == 0 {
-                        first
-                    } else {
-                        found.next().unwrap_or(first)
-                    }
-                });
-                Ok(hash::hashes(&rows, claim.device.echo.codes))
-            })
-        },
-        &mut |group: usize, found| {
-            let pairs = groups[group].iter().zip(found);
-            pairs.for_each(|(row, hash)| hashes[*row] = Some(hash));
-        },
-        &mut |done| progress(inputs / 2 + half(done, groups.len())),
-    )?;
-    if !progress(inputs) {
-        return Err(Error::Stopped);
-    }
+    let mut all = Hash::default();
     for hash in hashes {
         let hash = hash.ok_or_else(|| Error::Proof("a row was not checked".into()))?;
-        proof.hash = fold(proof.hash, hash);
+        all = all.then(hash);
     }
+    proof.hash = all.value;
     if proof.bounded_inputs == 0 {
         return Err(Error::Request(
             "no input is within the largest bounded distance: nothing would be proven".into(),

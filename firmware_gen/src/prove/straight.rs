@@ -2,6 +2,7 @@
 //! each step of most programs is a straight line in the echo time, or one such line cut off. Lines are monotone, so what
 //! every step claims holds at all echo codes if it holds at the first and the last, and the output never falls.
 
+use crate::hash::Hash;
 use crate::ir::{Operation, Overflow, Program, Value};
 use crate::types::Range;
 
@@ -165,21 +166,10 @@ impl Straight {
         f64::from(self.bits).exp2()
     }
 
-    /// Whether the line is a natural number of 32 bits at all `codes`, and one code further.
-    pub(super) fn fits_word(self, codes: Range) -> bool {
-        let end = self.start_at(codes.maximum).checked_add(self.slope);
-        self.start_at(codes.minimum) >= 0 && end.is_some_and(|end| end <= i64::from(u32::MAX))
-    }
-
-    pub(super) const fn bits(self) -> u32 {
-        self.bits
-    }
-
-    pub(super) const fn slope(self) -> i64 {
-        self.slope
-    }
-
-    pub(super) const fn after(self) -> i64 {
-        self.after
+    /// The hash of the outputs at all `codes`.
+    pub(super) fn hash(self, codes: Range) -> Hash {
+        let count = codes.maximum - codes.minimum + 1;
+        let (start, slope) = (self.start_at(codes.minimum), self.slope as u64);
+        Hash::of_line(start, slope, self.bits, self.after, count as u64)
     }
 }

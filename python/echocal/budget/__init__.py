@@ -110,6 +110,7 @@ def budget(
     if not found.entries:
         message = f"nothing is known of any uncertainty; state some with {keyword('uncertainties')}"
         raise DataError(message)
+    found.refuse_unknown(distance)
     places = _places(distance, found.standard_uncertainty) if trials else np.zeros(0, dtype=np.int64)
     drawn = _simulated(rows, model, stated, places, int(trials), probability, seed) if trials else None
     return Budget(

@@ -91,6 +91,7 @@ def budget_of_errors(
     bare = model is None and observations.reading is not None
     corrects = model or Model((observations.reading_speed or DEFAULT_SPEED) if bare else law)
     found = itemized(observations, corrects, indication, own).only("stated")
+    found.refuse_unknown(indication)
     if bare:  # nothing corrects the readings: the air does not matter
         return replace(found, entries=tuple(e for e in found.entries if e.quantity in (TAPE, "reading")))
     return found

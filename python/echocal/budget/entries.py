@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from echocal.budget.law import published
 from echocal.budget.sources import ECHOES, LAW, TAPE, Source
 from echocal.budget.stated import Uncertainties
-from echocal.errors import DomainWarning
+from echocal.errors import DataError, DomainWarning
 from echocal.model import Model
 from echocal.model.shape import is_extra
 from echocal.model.uncertainty import parts
@@ -134,6 +134,24 @@ class Itemized:
         below = sum((own**2 / nu for own, nu in zip(groups, degrees, strict=True)), np.zeros(len(products)))
         with np.errstate(divide="ignore", invalid="ignore"):
             return np.where(below > 0.0, products.sum(axis=-1) ** 2 / below, inf)
+
+    def refuse_unknown(self, distance: Column) -> None:
+        """Refuse rows with a distance where the size of a source is not known.
+
+        Raises
+        ------
+        DataError
+            With the source, the number of rows and the first of them.
+        """
+        for entry in self.entries:
+            lost = np.isfinite(distance) & np.isnan(entry.standard_uncertainty)
+            if lost.any():
+                quantity, first = entry.quantity.replace("_", " "), int(np.argmax(lost)) + 1
+                message = (
+                    f"{entry.words}: the {quantity} is outside of the range that they are stated for in "
+                    f"{int(lost.sum())} rows, first in row {first}; state it as a number"
+                )
+                raise DataError(message)
 
     def rows(self, places: NDArray[np.int64]) -> "Itemized":
         """The budgets of some rows."""

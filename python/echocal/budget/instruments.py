@@ -6,8 +6,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.errors import DataError
-
 __all__ = ["INSTRUMENTS", "TAPES", "Limits"]
 
 Column = NDArray[np.float64]
@@ -44,27 +42,11 @@ class Limits:
     source: str
 
     def half_width(self, values: object) -> Column:
-        """Half-width of the limits at some values [SI].
-
-        Raises
-        ------
-        DataError
-            If a value is outside of the ranges that the source states.
-        """
+        """Half-width of the limits at some values [SI]; NaN outside of the ranges."""
         at = np.asarray(values, dtype=np.float64)
         found = np.full(at.shape, np.nan)
         for low, high, half in reversed(self.ranges):
             found = np.where((low <= at) & (at <= high), half, found)
-        lost = np.isfinite(at) & np.isnan(found)
-        if lost.any():
-            least, most = min(one[0] for one in self.ranges), max(one[1] for one in self.ranges)
-            first = int(np.flatnonzero(lost)[0])
-            message = (
-                f"the {self.quantity.replace('_', ' ')} is outside of the range of the {self.name} "
-                f"({least:g} to {most:g}) in {int(lost.sum())} rows, first in row {first + 1}: "
-                f"{at.flat[first]:g}; state its standard uncertainty as a number instead"
-            )
-            raise DataError(message)
         return found
 
 

@@ -1,22 +1,11 @@
-"""Numbers with their uncertainty, rounded as JCGM 100:2008, 7.2.6 asks."""
+"""Numbers with their expanded uncertainty, rounded as JCGM 100:2008, 7.2.6 asks."""
 
 import math
 
-__all__ = ["concise", "exponent_of", "plus_minus", "rounded_up"]
+__all__ = ["plus_minus", "rounded_up"]
 
 _CUT = 0.01
 """Part of an uncertainty that rounding may cut off: 7.2.6 has 28.05 -> 28 (0.2 %) and 10.47 -> 11 (4 %)."""
-
-
-def exponent_of(uncertainty: float, digits: int = 2) -> int:
-    """Power of ten of the last digit that is written.
-
-    Examples
-    --------
-    >>> exponent_of(0.000487), exponent_of(31.7)
-    (-5, 0)
-    """
-    return math.floor(math.log10(uncertainty)) + 1 - digits
 
 
 def rounded_up(uncertainty: float, digits: int = 2) -> tuple[float, int]:
@@ -29,7 +18,7 @@ def rounded_up(uncertainty: float, digits: int = 2) -> tuple[float, int]:
     >>> rounded_up(10.47), rounded_up(28.05), rounded_up(0.0999)
     ((11.0, 0), (28.0, 0), (0.1, -2))
     """
-    exponent = exponent_of(uncertainty, digits)
+    exponent = math.floor(math.log10(uncertainty)) + 1 - digits
     steps = uncertainty / 10.0**exponent
     whole = round(steps)
     if steps - whole > _CUT * steps:
@@ -37,23 +26,6 @@ def rounded_up(uncertainty: float, digits: int = 2) -> tuple[float, int]:
     if whole >= 10**digits:
         whole, exponent = round(whole / 10), exponent + 1
     return float(f"{whole}e{exponent}"), exponent
-
-
-def concise(value: float, uncertainty: float, unit: str = "") -> str:
-    """A value with its standard uncertainty in brackets, in units of the last digit.
-
-    Examples
-    --------
-    >>> concise(79.93, 0.487, "us"), concise(79.93, 12.2, "us"), concise(2.0, 0.0, "m")
-    ('79.93(49) us', '80(13) us', '2 m')
-    """
-    text = f"{value:.6g}"
-    if uncertainty > 0.0 and math.isfinite(uncertainty) and math.isfinite(value):
-        size, exponent = rounded_up(uncertainty)
-        decimals = max(-exponent, 0)
-        inside = round(size / 10.0**exponent) if exponent <= 0 else round(size)
-        text = f"{round(value, -exponent):.{decimals}f}({inside})"
-    return f"{text} {unit}".rstrip()
 
 
 def plus_minus(value: float, uncertainty: float, unit: str = "") -> str:

@@ -108,4 +108,4 @@ def _of_rows(reading: Mapping[str, Any]) -> dict[str, Any]:
     return {name: value for name, value in reading.items() if name not in _DIAGNOSIS}
 
 
-_DIAGNOSIS = {"base", "reference_distance", "constant_distance", "matters_mm"}
+_DIAGNOSIS = {"base", "reference_distance", "constant_distance", "placements", "matters_mm"}

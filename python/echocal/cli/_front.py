@@ -16,7 +16,16 @@ from echocal.cli._options import options_text, written_by_us
 from echocal.cli._outputs import Force, Output, Quiet, check_outputs, written
 from echocal.cli._pool import bar
 from echocal.cli._tables import AS_IT_IS, Given, Json, from_stdin, noted, reading_options, write_json
-from echocal.cli.diagnose import Base, ConstantDistance, Details, MattersMm, ReferenceDistance, base_of
+from echocal.cli.diagnose import (
+    Base,
+    ConstantDistance,
+    Details,
+    MattersMm,
+    Placements,
+    ReferenceDistance,
+    base_of,
+    distances_of,
+)
 from echocal.diagnose import diagnose
 from echocal.diagnose.preprocess.reference import refuse_distance
 from echocal.errors import DataError, DomainWarning, UsageError
@@ -55,6 +64,8 @@ class _Answers:
     reading: Given
     reference_distance: float | None
     constant_distance: bool
+    elsewhere: bool = False
+    """Whether the distances come from another log, or from the user for each plateau."""
 
 
 @reading_options()
@@ -63,6 +74,7 @@ def command(
     base: Base = "linear",
     reference_distance: ReferenceDistance = None,
     constant_distance: ConstantDistance = False,
+    placements: Placements = None,
     matters_mm: MattersMm = None,
     yes: Annotated[
         bool, typer.Option("--yes", "-y", help="Accept what the values of columns without a clear name say.")
@@ -95,7 +107,9 @@ def command(
         folder=out,
         force=force,
     )
+    distances = distances_of(placements)
     known = _Answers(reading, reference_distance, constant_distance)
+    known.elsewhere = distances is not None or reading.reference is not None
     found = _settled(source, known, yes, Console(stderr=True))
     with bar(quiet) as shown, noted(quiet, DomainWarning):
         task = shown.add_task("reading", total=None)
@@ -104,6 +118,7 @@ def command(
             base=base_of(base),
             reference_distance=known.reference_distance,
             constant_distance=known.constant_distance,
+            placements=distances,
             matters_mm=matters_mm,
             progress=lambda what, done, total: shown.update(
                 task, description=what, completed=done, total=total
@@ -115,6 +130,7 @@ def command(
         "base": None if base == "linear" else base,
         "reference_distance": known.reference_distance,
         "constant_distance": known.constant_distance or None,
+        "placements": placements,
         "matters_mm": matters_mm,
     }
     said |= known.reading.given()
@@ -164,7 +180,7 @@ def _settled(log: Path, known: _Answers, yes: bool, console: Console) -> Inspect
             settle(_about_guesses(found), lambda: _confirm(found, known))
     if not _has(found, known, "temperature") and found.refusal and not known.reading.reading_speed:
         settle(_TEMPERATURE, lambda: _ask_temperature(known))
-    stated = known.constant_distance or known.reference_distance is not None
+    stated = known.elsewhere or known.constant_distance or known.reference_distance is not None
     if not stated and not _has(found, known, "reference_distance"):
         settle(_DISTANCE, lambda: _ask_distance(known))
     if open_:

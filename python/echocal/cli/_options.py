@@ -22,7 +22,7 @@ _FIRST = "# how to read"
 KNOWN = {
     "column", "missing", "trust", "at", "reading-speed", "time-zone", "time-format", "skip-lines", "decimal",
     "encoding", "sheet", "reference-distance", "constant-distance", "by", "since", "until", "base", "law",
-    "same-target", "mount-height", "reference", "reference-join", "matters-mm",
+    "same-target", "mount-height", "reference", "reference-join", "placements", "matters-mm",
 }  # fmt: skip
 """Options that such a file may have; a command takes those that it has."""
 

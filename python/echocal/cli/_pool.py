@@ -26,6 +26,7 @@ _INSTEAD = {
     "--with-smooth": "a smooth correction belongs to its table: diagnose this table alone",
     "--rows": "diagnose each table alone for its rows",
     "--hold-out-after": "the gain is measured on tables left out in turn; --until leaves out later rows",
+    "--matters-mm": "diagnose one table to be told what matters",
     "--can-vary": "diagnose one table for its next measurements",
 }
 

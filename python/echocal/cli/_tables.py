@@ -88,7 +88,8 @@ ReferenceLog: TypeAlias = Annotated[
     typer.Option(
         "--reference",
         metavar="FILE",
-        help="Another log with the reference distances, or levels: joined by time.",
+        help="Another log with the reference distances, or levels: joined by time. A correction needs none; "
+        "it leaves out what --column says of it.",
     ),
 ]
 ReferenceJoin: TypeAlias = Annotated[

@@ -1,5 +1,7 @@
 """``echocal certificate``: corrected distances with their uncertainty, to be signed."""
 
+import shlex
+import sys
 from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
@@ -13,7 +15,6 @@ from echocal.cli._models import Uncertain
 from echocal.cli._outputs import Force, Output, check_outputs
 from echocal.cli._tables import AS_IT_IS, Given, Json, Quiet, noted, read, reading_options, write_json
 from echocal.errors import UsageError
-from echocal.keywords import command_line
 from echocal.model import Model
 from echocal.model.indicated_speed import speed_of
 
@@ -58,17 +59,7 @@ def command(
             uncertainties=uncertainties or (),
             coverage=coverage,
         )
-    made = command_line(
-        "certificate",
-        model.name,
-        data.name,
-        out=out.name,
-        uncertainty=uncertainties,
-        mpe_mm=mpe_mm,
-        device=device or None,
-        issued_by=issued_by or None,
-        coverage=None if coverage == COVERAGE else coverage,
-    )
+    made = shlex.join(["echocal", *sys.argv[1:]])
     identification = {
         "device": device or "not stated",
         "issued by": issued_by or "not stated",

@@ -32,7 +32,7 @@ from echocal.objects import Object
 from echocal.places import Place, place_of
 
 
-@reading_options("sheet", "reference", "reference_join")
+@reading_options("sheet")
 def command(
     data: Annotated[
         str,

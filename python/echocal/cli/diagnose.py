@@ -52,6 +52,13 @@ ReferenceDistance: TypeAlias = Annotated[
 ConstantDistance: TypeAlias = Annotated[
     bool, typer.Option("--constant-distance", help="The target did not move; its distance is not known.")
 ]
+Placements: TypeAlias = Annotated[
+    str | None,
+    typer.Option(
+        metavar="M,M,...",
+        help="Ruler values of the placements of a raw log, in their order: 0.5,1.2,2.5 (m).",
+    ),
+]
 MattersMm: TypeAlias = Annotated[
     float | None,
     typer.Option(
@@ -80,6 +87,7 @@ def command(
     base: Base = "linear",
     reference_distance: ReferenceDistance = None,
     constant_distance: ConstantDistance = False,
+    placements: Placements = None,
     matters_mm: MattersMm = None,
     reading: Given = AS_IT_IS,
     since: Annotated[str | None, typer.Option(metavar="TIME", help="Use rows from this time on.")] = None,
@@ -191,6 +199,8 @@ def command(
             "--with-smooth": with_smooth,
             "--rows": rows,
             "--can-vary": can_vary or ranges,
+            "--placements": placements,
+            "--matters-mm": matters_mm,
         }
         used = [*_file(base), *reading.files]
         request = {
@@ -244,6 +254,7 @@ def command(
             base=base_of(base),
             reference_distance=reference_distance,
             constant_distance=constant_distance,
+            placements=distances_of(placements),
             since=since,
             until=until,
             hold_out_after=_time(hold_out_after),
@@ -339,7 +350,7 @@ def _after(diagnosis: Diagnosis, data: Path, model: Path | None, reading: Given)
     if diagnosis.verdict != "named" or not diagnosis.model.effects or diagnosis.good_enough:
         return ""
     if model is None:
-        return "--save-model model.json writes it; echocal correct applies it."
+        return "Add --save-model model.json, then run echocal correct."
     return next(iter(follow_up(diagnosis, data, model, reading_words(reading)).values()))
 
 
@@ -350,6 +361,17 @@ def _ranges(first: list[str] | None, more: list[str]) -> dict[str, tuple[float, 
         raise UsageError(message)
     texts = [text for joined in (*(first or ()), *more) for text in joined.split()]
     return parsed_ranges(texts) or None
+
+
+def distances_of(text: str | None) -> list[float] | None:
+    """Distances of ``0.5,1.2,2.5`` [m]."""
+    if text is None:
+        return None
+    try:
+        return [float(word) for word in text.split(",")]
+    except ValueError:
+        message = f"--placements {text}: distances in m, with commas between them: 0.5,1.2,2.5"
+        raise UsageError(message) from None
 
 
 def _time(text: str | None) -> str | float | None:

@@ -24,6 +24,7 @@ from echocal.cli import _explore, _made_by
 from echocal.cli._complete import targets
 from echocal.cli._console import Console
 from echocal.cli._outputs import Force, Output, check_outputs, made_in, pass_on
+from echocal.device_uncertainty import rounded_up
 from echocal.echoes import BLANKING_M
 from echocal.errors import DomainWarning, UsageError
 from echocal.firmware import EchoCodes, Firmware, HumidityCodes, TemperatureCodes, generate
@@ -86,10 +87,19 @@ def command(
         option("Value of a condition that the device does not measure.", metavar="NAME=VALUE"),
     ] = None,
     max_table_bytes: Annotated[int, option("Largest size of all tables together [byte].")] = 1024,
-    package: Annotated[str, option("Kind of files: c, arduino, platformio, esphome or micropython.")] = "c",
+    package: Annotated[
+        str,
+        option("Kind of files: c, arduino, platformio, esphome, micropython, esp-idf, zephyr or rust."),
+    ] = "c",
     name: Annotated[
         str, option("Start of the names of files, functions and macros. Two sensors need two.")
     ] = "echocal",
+    uncertainties: Annotated[
+        list[str] | None,
+        option(
+            "Standard uncertainty of a value: temperature_C=0.5, ...", "--uncertainty", metavar="NAME=VALUE"
+        ),
+    ] = None,
     measure: Annotated[
         bool, option("Compile, run in a simulator, state flash and time.", "--measure")
     ] = False,
@@ -110,7 +120,7 @@ def command(
     """Turn a model into C that is proven over every input."""
     console = Console(stderr=True, quiet=quiet)
     if explore:
-        _refuse_one(prefer, form, measure, package, name, page)
+        _refuse_one(prefer, form, bool(measure or uncertainties), package, name, page)
     _refuse_outputs(model, json, out, _explore.FILES if explore else listed(out), page, force=force)
     request: dict[str, Any] = {
         "temperature": TemperatureCodes(
@@ -133,6 +143,7 @@ def command(
             text, table = _explore.run(followed, target, out, tell, **request)
         else:
             one: dict[str, Any] = {"form": form, "package": package, "name": name, "measure": measure}
+            one["uncertainties"] = uncertainties or ()
             saved = prefer or "size"
             made = generate(followed, target, prefer=saved, progress=_proving(tell), **one, **request)
             if page is not None:
@@ -160,7 +171,7 @@ def _refuse_one(
     if prefer or form or measure or package != "c" or name != "echocal" or page is not None:
         message = (
             "--explore tries every form, for size and for speed, and writes no package: leave out --prefer, "
-            "--form, --measure, --package, --name and --report"
+            "--form, --measure, --uncertainty, --package, --name and --report"
         )
         raise UsageError(message)
 
@@ -261,8 +272,9 @@ def _summary(made: Firmware, files: list[Path], notes: list[str]) -> Table:
     table = Table.grid(padding=(0, 2))
     table.add_column(style="dim")
     table.add_column()
-    proven, asked = report["error_proven_m"] * 1e3, report["error_bound_m"] * 1e3
-    reach, worst = report["maximum_distance_m"], report["worst_input"]
+    proven, asked = rounded_up(report["error_proven_m"] * 1e3), report["error_bound_m"] * 1e3
+    always, sometimes = report["reach_m"]["always"], report["reach_m"]["sometimes"]
+    reach, worst = min(report["maximum_distance_m"], rounded_up(sometimes[1], 3)), report["worst_input"]
     table.add_row("form", f"{report['form']['description']}; {report['table_bytes']} bytes of tables")
     table.add_row(
         "proven", f"[bold green]{proven:.4f} mm[/] at most, up to {reach:g} m (requested {asked:g} mm)"
@@ -273,6 +285,13 @@ def _summary(made: Firmware, files: list[Path], notes: list[str]) -> Table:
     table.add_row("worst at", f"echo {echo:g} us, {worst['temperature']:g} degC{humidity}")
     table.add_row("checked", f"all {report['inputs_checked']:,} inputs, bit for bit")
     table.add_row("", "no overflow; the distance never decreases when the echo time increases")
+    table.add_row(
+        "reach", f"{rounded_up(always[0], 3):g} to {-rounded_up(-always[1], 3):g} m in all conditions"
+    )
+    for distance, size in report["expanded_uncertainty"]["expanded"]:
+        table.add_row(
+            "95 %", f"+-{rounded_up(size * 1e3, 2):g} mm at {distance:g} m; the header says of what"
+        )
     for found in report["measured"]:
         table.add_row("measured", _cost(found))
     for line in report["assumptions"]:

@@ -28,7 +28,7 @@ from echocal.outputs import csv_text, replace_text, spreadsheet_safe
 _BARS = "▁▂▃▄▅▆▇█"
 
 
-@reading_options("reference", "reference_join")
+@reading_options()
 def command(
     log: Annotated[Path, typer.Argument(metavar="LOG", help="A log of any kind (docs/logs.md); - is stdin.")],
     out: Annotated[

@@ -26,6 +26,7 @@ from echocal.diagnose.findings.sentences import quantity_text
 from echocal.errors import UsageError
 from echocal.model import Model
 from echocal.model.indicated_speed import speed_of
+from echocal.report.budget import probability_text
 from echocal.sweep import parse
 from echocal.verify import Verification, verify, verify_model
 
@@ -113,7 +114,7 @@ def _print(result: Verification) -> None:
     if result.least_probability is not None:
         table.add_row("guard band (expanded uncertainty)", f"{result.guard_band * 1e3:.2g} mm at most")
         table.add_row("errors too near to the bound to decide", f"{result.undecided}")
-        table.add_row("least probability of conformity", f"{100 * result.least_probability:.3g} %")
+        table.add_row("least probability of conformity", probability_text(result.least_probability))
     for reason, count in result.unusable.items():
         table.add_row("not examined", f"{count} rows: {reason}")
     for reason, count in result.outside_smooth.items():

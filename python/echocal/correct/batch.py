@@ -22,7 +22,7 @@ from echocal.model import Model
 from echocal.model.folder import ModelFolder
 from echocal.model.plain import to_plain
 from echocal.objects import is_url
-from echocal.observations.given import READ_OPTIONS, refuse_keywords, refuse_reference
+from echocal.observations.given import READ_OPTIONS, refuse_keywords
 from echocal.observations.layout import Layout
 from echocal.places import place_of, size_of
 
@@ -127,7 +127,6 @@ def correct_files(
     '11680,20,2.000305,,,'
     """
     refuse_keywords(correct_files, options, READ_OPTIONS)
-    refuse_reference(options)
     written = {} if layout is None else layout.plain()
     reading = Reading.of({"columns": columns, **written, **options}, uncertainties, mark_rows)
     elsewhere = is_elsewhere(engine)

@@ -110,8 +110,8 @@ class Corrector:
         refuse_repeated(names)
         refuse_corrected(names)
         Missing(job.reading.missing).refuse_unknown(names)
-        requests = completed(names, job.reading.requests)[0]
-        job = replace(job, reading=replace(job.reading, columns=requests))
+        requests = completed(names, job.reading.requests_of(names))[0]
+        job = replace(job, reading=replace(job.reading, columns=requests, mount_height=None))
         self._names, self._job = list(names), job
         self.key = "" if job.models.folder is None else key
         self.by = job.models.by if self.key is None else ""

@@ -14,7 +14,7 @@ from echocal.correct.results import DISTANCE, LEVEL, RESULTS, STATUS, UNCERTAINT
 from echocal.correct.rows import Reading, Rows, correct_rows
 from echocal.errors import DataError, UsageError
 from echocal.model import Model
-from echocal.observations.given import READ_OPTIONS, refuse_keywords, refuse_reference
+from echocal.observations.given import READ_OPTIONS, refuse_keywords
 from echocal.observations.misspelled import naming
 from echocal.observations.numbers import Missing
 from echocal.observations.reading import understood
@@ -115,7 +115,6 @@ def correct(
     [2.000305, 1.001011]
     """
     refuse_keywords(correct, options, READ_OPTIONS)
-    refuse_reference(options)
     refuse_no_model(model)
     if isinstance(table, Observations):
         message = (
@@ -126,7 +125,7 @@ def correct(
     reading = Reading.of(said, uncertainties, mark_rows)
     whole = load(table, reading.layout, sheet=reading.sheet)
     refuse_corrected(whole.columns)
-    requests, found, notes = understood(whole, reading.requests)
+    requests, found, notes = understood(whole, reading.requests_of(whole.columns))
     reading = replace(reading, trust={*reading.trust, *found.sure})
     Missing(reading.missing).refuse_unknown(whole.columns)
     read = needed(

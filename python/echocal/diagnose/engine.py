@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from echocal.diagnose.pipeline import run
+from echocal.diagnose.preprocess.plateaus import placed
 from echocal.diagnose.preprocess.presumed import presume
 from echocal.diagnose.preprocess.reading import Reading, read
 from echocal.diagnose.progress import Progress, Steps
@@ -17,6 +18,7 @@ from echocal.diagnose.results.diagnosis import Diagnosis
 from echocal.diagnose.results.presumed import without_presumed
 from echocal.diagnose.results.stated import with_stated
 from echocal.diagnose.settings import Settings
+from echocal.errors import UsageError
 from echocal.model import Model
 from echocal.observations import Observations
 from echocal.observations.given import READ_OPTIONS, refuse_keywords
@@ -31,6 +33,7 @@ def diagnose(
     base: str | float | Model = "linear",
     reference_distance: float | None = None,
     constant_distance: bool = False,
+    placements: Sequence[float] | None = None,
     columns: Mapping[str, str] | str | Path | None = None,
     reading_speed: str | float | None = None,
     missing: Collection[Any] | Mapping[str, Any] = (),
@@ -63,6 +66,9 @@ def diagnose(
     constant_distance : bool
         The target did not move, but its distance is not known. The level is then estimated, for
         each segment between two steps of the level.
+    placements : sequence of float, optional
+        Distances [m] of a raw log in which the target was placed several times, in their order: each plateau
+        of the readings gets one of them. Rows between two plateaus are left out.
     columns, missing
         Passed to `echocal.read_observations`.
     reading_speed : str or float, optional
@@ -137,6 +143,11 @@ def diagnose(
     if not isinstance(observations, Observations):
         how["reading_speed"] = request.base.reading_speed if reading_speed is None else reading_speed
     reading = read(observations, how)
+    if placements is not None:
+        if reference_distance is not None or constant_distance:
+            raise UsageError("give placements, a reference distance, or constant_distance: only one of them")
+        own = placed(reading.observations, list(placements))
+        reading = replace(reading, observations=own)
     simulated, rest = presume(request.base, reading.observations)
     read_columns = [*rest.source_names.values(), *rest.extra]
     with naming(read_columns):

@@ -11,7 +11,7 @@ from echocal.observations.options import ReadOptions
 from echocal.observations.reading import read_observations
 from echocal.observations.table import Observations
 
-__all__ = ["READ_OPTIONS", "observed", "refuse_keywords", "refuse_reference"]
+__all__ = ["READ_OPTIONS", "observed", "refuse_keywords"]
 
 READ_OPTIONS = tuple(one.name for one in fields(ReadOptions) if one.init)
 """Keywords of `echocal.read_observations`."""
@@ -67,10 +67,3 @@ def refuse_keywords(caller: Callable[..., Any], given: Iterable[str], also: Iter
             hint = f"; did you mean '{near[0]}'?" if near else ""
             message = f"{caller.__name__}() got an unexpected keyword argument '{name}'{hint}"
             raise TypeError(message)
-
-
-def refuse_reference(options: Mapping[str, Any]) -> None:
-    """Raise `UsageError` for another log with a reference, where none is needed."""
-    if options.get("reference") is not None:
-        message = "a correction needs no reference: leave out `reference`, which a diagnosis takes"
-        raise UsageError(message)

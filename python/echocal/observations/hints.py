@@ -190,7 +190,10 @@ def _several(listed: list[tuple[str, Hint]]) -> str:
     names = " and ".join(f"'{column}'" for column, _ in listed)
     column, said = listed[0]
     way = keyword("columns", {column: said.name})
-    return f"{names} may both hold {said.name}, and neither is used; say which: {way}"
+    each = ""
+    if NAMES[said.name][0].quantity in {"reading", "echo_time"}:
+        each = f"; if each is a ranger: {keyword('by', ','.join(column for column, _ in listed))}"
+    return f"{names} may both hold {said.name}, and neither is used; say which: {way}{each}"
 
 
 def _name(role: str, symbol: str) -> str:

@@ -153,8 +153,9 @@ def inspect_log(path: Path, options: ReadOptions | None = None) -> Inspection:
         If the file cannot be read as a table of any kind.
     """
     options = options or ReadOptions()
-    columns, missing, how = options.requests, dict(options.missing), options.given()
+    missing, how = dict(options.missing), options.given()
     table = load(path, options.layout, sheet=options.sheet)
+    columns = options.requests_of(table.columns)  # the others are refused where the other log is read
     refuse_absent(columns, table.columns)
     found = found_in(table)
     proposals = propose(table, found, columns)
@@ -164,7 +165,8 @@ def inspect_log(path: Path, options: ReadOptions | None = None) -> Inspection:
     codes = {name: [f"{code:g}" for code in own] for name, own in seen.items() if own}
     all_codes = {**codes, **missing}
     requests = {name: p.request for name, p in proposals.items() if p.request and p.reason != "its name"}
-    observations, refusal = _read(table, requests, all_codes, how)
+    asked = {**options.requests, **requests} if options.reference is not None else requests
+    observations, refusal = _read(table, asked, all_codes, how)
     said = {*found.notes, note_of(table, set(columns))}  # of sensors there is a line
     notes = [
         *found.notes,

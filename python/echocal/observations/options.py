@@ -76,6 +76,12 @@ class ReadOptions:
         own = ((one.name, getattr(self, one.name), one.default) for one in fields(ReadOptions) if one.init)
         return {name: value for name, value, usual in own if not _same(value, usual)}
 
+    def requests_of(self, columns: Collection[str]) -> dict[str, str]:
+        """Meaning of the columns of a log; of those that only the log of the reference has, none."""
+        if self.reference is None:
+            return self.requests
+        return {name: request for name, request in self.requests.items() if name in columns}
+
     def plain(self) -> dict[str, Any]:
         """The same as JSON holds them."""
         return {name: _plain(value) for name, value in self.given().items()}

@@ -124,8 +124,7 @@ def second_log(how: ReadOptions, columns: Any) -> SecondLog:
         raise UsageError(message)
     table = load(how.reference, how.layout)
     refuse_absent(how.requests, list(dict.fromkeys([*columns, *table.columns])))
-    own = {name: request for name, request in how.requests.items() if name in table.columns}
-    return SecondLog(table, own)
+    return SecondLog(table, how.requests_of(table.columns))
 
 
 def _completed(table: pd.DataFrame, requests: Mapping[str, str]) -> tuple[dict[str, str], list[str]]:

@@ -21,6 +21,7 @@ __all__ = [
     "conditions_text",
     "lines",
     "print_budget",
+    "probability_text",
     "result_text",
 ]
 
@@ -28,6 +29,7 @@ HEADS = ("source", "type", "u(x)", "sensitivity", "u(d) [mm]", "ν", "share")
 """Source, type and distribution, standard uncertainty of the input, sensitivity coefficient, contribution,
 degrees of freedom, part of the variance."""
 _MOST = 12  # rows that are listed
+_CORRELATED = 3  # parameters whose correlations are told
 _MANY = 1000  # degrees of freedom: k differs from that of infinitely many by 0.1 %
 _SCALES = {"s": (1e6, "µs"), "m": (1e3, "mm"), "degC": (1.0, "K")}
 _LAW = (1e6, "ppm")
@@ -69,7 +71,7 @@ def lines(budget: Budget, row: int) -> list[tuple[str, ...]]:
             _slope(entry, row),
             f"{1e3 * abs(entry.contribution[row]):.3g}",
             "∞" if np.isinf(entry.degrees_of_freedom) else f"{entry.degrees_of_freedom:.0f}",
-            f"{100 * share:.1f} %",
+            f"{100 * share + 0.0:.1f} %".replace("-0.0", "0.0"),
         )
         for entry, share in zip(budget.entries, shares, strict=True)
     ]
@@ -94,7 +96,20 @@ def _slope(entry: Entry, row: int) -> str:
     if unit == "mm":
         return f"{entry.sensitivity[row]:.3g}"
     below = f"({unit})" if "/" in unit or " " in unit else unit
-    return f"{1e3 * entry.sensitivity[row] / factor:.3g} mm{f'/{below}' if unit else ''}"
+    return f"{1e3 * entry.sensitivity[row] / factor + 0.0:.3g} mm{f'/{below}' if unit else ''}"
+
+
+def probability_text(probability: float) -> str:
+    """A probability in percent, also near 0 and 1.
+
+    Examples
+    --------
+    >>> probability_text(0.9543), probability_text(1e-9), probability_text(0.99999)
+    ('95.4 %', 'below 0.1 %', 'above 99.9 %')
+    """
+    if not 0.001 <= probability <= 0.999:
+        return "below 0.1 %" if probability < 0.5 else "above 99.9 %"
+    return f"{100 * probability:.1f} %"
 
 
 def conditions_text(budget: Budget, row: int) -> str:
@@ -124,6 +139,10 @@ def result_text(budget: Budget, row: int) -> list[str]:
         f"k = {k:.2f} for a coverage probability of {100 * budget.coverage:.4g} %",
         f"result: {plus_minus(distance, expanded, 'mm')}",
     ]
+    if budget.itemized.correlation is not None and 1 < len(budget.itemized.correlation) <= _CORRELATED:
+        r, names = budget.itemized.correlation, [entry.quantity for entry in budget.entries]
+        pairs = [f"{names[i]}, {names[j]}: {r[i, j]:.3f}" for j in range(len(r)) for i in range(j)]
+        found.append(f"correlation of {'; '.join(pairs)}")
     place = np.flatnonzero(budget.monte_carlo_rows == row)
     if budget.monte_carlo is not None and len(place):
         drawn, at = budget.monte_carlo, int(place[0])

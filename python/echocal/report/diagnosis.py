@@ -9,10 +9,11 @@ from rich.text import Text
 
 from echocal.diagnose import Cause, Diagnosis, Gain
 from echocal.diagnose.catalogue import find_cause
-from echocal.diagnose.findings.sentences import shifted_text
+from echocal.diagnose.findings.sentences import enumerated, shifted_text
 from echocal.diagnose.results.explain import (
     further_notes,
     lead,
+    minor_text,
     parameter_text,
     place_text,
     probability_text,
@@ -32,6 +33,7 @@ STYLE = {
 }
 _LONGEST = 28  # characters of a bar, where the terminal has them
 _LINES = 6
+_EXACTLY = "probability that exactly these causes act"
 
 
 def print_diagnosis(diagnosis: Diagnosis, console: Console) -> None:
@@ -80,6 +82,8 @@ def _head(diagnosis: Diagnosis) -> Iterator[RenderableType]:
 
 
 def _cause(cause: Cause) -> RenderableType:
+    if not cause.matters:
+        return Group(Text(f"{place_text(cause)}{minor_text(cause)}"), Text())
     sizes = ", ".join(
         parameter_text(p.name, p.value, p.standard_uncertainty, p.unit) for p in cause.parameters
     )
@@ -130,11 +134,11 @@ def _gain(gain: Gain, longest: int) -> RenderableType:
 
 def _posterior(diagnosis: Diagnosis, longest: int) -> RenderableType:
     """Sets of causes, inseparable ones in one line; the causes that all sets have are above."""
-    table = Table(title="probability that exactly these causes act", title_justify="left", show_header=False)
     groups = [group for group in grouped(diagnosis) if group.probability >= LEAST][:_LINES]
     common = in_common(groups)
+    title = f"does a further cause act beside {enumerated(sorted(common))}?" if common else _EXACTLY
+    table = Table(title=title, title_justify="left", show_header=False)
     for group in groups:
         bar = "━" * max(1, round(longest * group.probability))
         table.add_row(group.beyond(common), f"{group.probability:.3f}", Text(bar, style="green"))
-    shared = [Text(f"in every set: {', '.join(sorted(common))}", style="dim")] if common else []
-    return Group(*shared, table, Text())
+    return Group(table, Text())

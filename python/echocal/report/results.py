@@ -75,7 +75,8 @@ def _figure(result: Shown) -> str:
 @headline.register
 def _(result: Diagnosis) -> str:
     named = [cause.id for cause in result.causes if not cause.doubt]
-    said = f"Diagnosis {result.verdict}" + (f": {', '.join(named)}" if named else "")
+    word = "good enough" if result.good_enough else result.verdict
+    said = f"Diagnosis {word}" + (f": {', '.join(named)}" if named else "")
     if result.gain is None or not result.gain.held_out_rows:
         return said
     before, after = _MM * result.gain.rms_before_m, _MM * result.gain.rms_after_m

@@ -14,6 +14,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "hash.h"
+
 enum { LOW = 0x5D, HIGH = 0x5E, STACK_TOP = 0x8FF, ECHO = 24, TEMPERATURE = 22, HUMIDITY = 20, RESULT = 22 };
 enum { SLEEP = 1, ENOUGH = 1000000 }; /* cycles */
 
@@ -57,12 +59,12 @@ static uint32_t call(unsigned echo, int temperature, unsigned humidity, int watc
     return result[0] | (uint32_t)result[1] << 8 | (uint32_t)result[2] << 16 | (uint32_t)result[3] << 24;
 }
 
-/* The hash of firmware_gen/src/prove/mod.rs over one row of echo codes. */
-static uint32_t row(unsigned first, unsigned last, int temperature, unsigned humidity, int watch_stack)
+/* The hash over one row of echo codes. */
+static uint64_t row(unsigned first, unsigned last, int temperature, unsigned humidity, int watch_stack)
 {
-    uint32_t hash = 2166136261u;
+    uint64_t hash = 0;
     for (unsigned echo = first; echo <= last; echo++) {
-        hash = (hash ^ call(echo, temperature, humidity, watch_stack)) * 16777619u;
+        hash = append(hash, call(echo, temperature, humidity, watch_stack));
     }
     return hash;
 }
@@ -84,7 +86,8 @@ int main(int count, char **words)
     const unsigned apart = count > 9 ? (unsigned)atoi(words[9]) : 1;
     for (int code = first; code <= last; code += step) {
         for (unsigned humidity = dry; humidity <= damp; humidity += apart) {
-            printf("%08x\n", row(echo_first, echo_last, code, humidity, code == first && humidity == dry));
+            const int watch_stack = code == first && humidity == dry;
+            printf("%016llx\n", (unsigned long long)row(echo_first, echo_last, code, humidity, watch_stack));
         }
     }
     printf("%llu %llu %u\n", (unsigned long long)fewest, (unsigned long long)most, STACK_TOP - lowest);

@@ -10,7 +10,7 @@ from typing import Any
 from echocal.correct.needed import refuse_no_model
 from echocal.errors import DataError, UsageError
 from echocal.model import Model
-from echocal.observations.given import READ_OPTIONS, refuse_keywords, refuse_reference
+from echocal.observations.given import READ_OPTIONS, refuse_keywords
 from echocal.observations.mount import is_level
 from echocal.observations.options import ReadOptions
 from echocal.watch.events import Event
@@ -105,7 +105,6 @@ def watch(
     1.0 0
     """
     refuse_keywords(watch, options, READ_OPTIONS)
-    refuse_reference(options)
     if (model is None) == (models is None):
         raise UsageError("give one model, or a folder of models with `models` and `by`")
     if models is not None and by is None:

@@ -1,11 +1,11 @@
 //! Firmware: a request in, texts and the bit-exact twin out.
 
 use echocal_core::{Conditions, Quantity};
-use echocal_firmware::lower::{Lowered, describe, lower, lower_without_echo};
+use echocal_firmware::lower::{Lowered, Omission, describe, lower, lower_without_echo};
 use echocal_firmware::target;
 use echocal_firmware::{
     Axis, Design, Device, Error, Measurement, Output, Package, Prefer, Progress, Provenance,
-    Request, Target, design, emit,
+    Request, Target, Uncertainty, design, emit,
 };
 use numpy::PyArray1;
 use pyo3::exceptions::PyValueError;
@@ -30,9 +30,15 @@ pub struct CoreFirmware {
 #[pymethods]
 impl CoreFirmware {
     /// Path and text of each file; what was measured goes into header and report.
-    fn files(&self, measured: Vec<Measured>) -> PyResult<Files> {
+    fn files(
+        &self,
+        measured: Vec<Measured>,
+        uncertainty: Option<StatedUncertainty>,
+    ) -> PyResult<Files> {
         let measured: Vec<_> = measured.into_iter().map(Measurement::from).collect();
-        emit(&self.design, &self.device, &self.provenance, &measured)
+        let uncertainty = uncertainty.map_or_else(Uncertainty::default, Uncertainty::from);
+        let (design, device) = (&self.design, &self.device);
+        emit(design, device, &self.provenance, &measured, &uncertainty)
             .map_err(|error| to_python(&error))
     }
 
@@ -69,6 +75,27 @@ impl CoreFirmware {
         let status = |row| self.device.status(&inputs(row)) as u8;
         let outputs = PyArray1::from_iter(py, (0..rows).map(output));
         Ok((outputs, PyArray1::from_iter(py, (0..rows).map(status))))
+    }
+}
+
+/// What Python says of the uncertainty of an output.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub struct StatedUncertainty {
+    includes: Vec<String>,
+    expanded: Vec<(f64, f64)>,
+    offset: f64,
+    slope: f64,
+}
+
+impl From<StatedUncertainty> for Uncertainty {
+    fn from(stated: StatedUncertainty) -> Self {
+        Self {
+            includes: stated.includes,
+            expanded: stated.expanded,
+            offset: stated.offset,
+            slope: stated.slope,
+        }
     }
 }
 
@@ -133,6 +160,8 @@ pub struct FirmwareRequest {
     model_hash: String,
     diagnosis: Vec<String>,
     standard_uncertainty: Vec<(f64, f64)>,
+    fitted: Vec<String>,
+    outside_domain: Vec<String>,
 }
 
 /// What the echo times of a device depend on.
@@ -292,7 +321,10 @@ fn meet(
         model: describe(model),
         diagnosis: request.diagnosis.clone(),
         standard_uncertainty: request.standard_uncertainty.clone(),
+        fitted: request.fitted.clone(),
+        outside_domain: request.outside_domain.clone(),
         assumptions: lowered.omissions.iter().map(ToString::to_string).collect(),
+        omissions: lowered.omissions.iter().map(Omission::to_json).collect(),
         maximum_error: request.maximum_error,
         maximum_distance: request.maximum_distance,
     };

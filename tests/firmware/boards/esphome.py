@@ -1,10 +1,16 @@
-"""A node of ESPHome on a PC: ESPHome's own generator and C++, above pins and a clock that are simulated."""
+"""A node of ESPHome on a PC: ESPHome's own generator and C++, above pins and a clock that are simulated.
+
+Beside the component under test it has ESPHome's own `ultrasonic`, as its documentation shows it.
+"""
 
 import subprocess
 from collections.abc import Iterable
 from pathlib import Path
+from typing import NamedTuple
 
+import numpy as np
 import pytest
+from numpy.typing import NDArray
 from toolchain import run
 
 from echocal.firmware import Firmware
@@ -21,9 +27,11 @@ packages:
 sensor:
   - {platform: template, id: air_temperature, update_interval: never}
   - {platform: template, id: air_humidity, update_interval: never}
+  - {platform: ultrasonic, name: Plain, trigger_pin: GPIO12, echo_pin: GPIO13, update_interval: 1s}
 """
 FLAGS = ("-std=gnu++20", "-fno-exceptions", "-w", "-DUSE_HOST")  # those of ESPHome, without its warnings
 PINS = "components/host/gpio.cpp"  # what node.cpp replaces
+OWN = Path("esphome/components/echocal")  # what a package brings
 OBJECTS = ("helpers.o", "rest.o", "node.o")
 
 Pulse = tuple[int, int, float, float]  # us before it, its length [us], degC, %
@@ -58,7 +66,7 @@ def build_library(source: Path, folder: Path) -> None:
     files = sorted(path.relative_to(source) for path in (source / "esphome").rglob("*.cpp"))
     units: dict[str, list[str]] = {"helpers.cpp": [], "rest.cpp": []}
     for number, file in enumerate(files):
-        if not file.match(f"*/{PINS}"):
+        if not file.match(f"*/{PINS}") and not file.is_relative_to(OWN):
             # Each file has a TAG of its own; those called helpers.cpp share another name with other files.
             text = f'#define TAG TAG_{number}\n#include "{file}"\n#undef TAG\n'
             units["helpers.cpp" if file.name == "helpers.cpp" else "rest.cpp"].append(text)
@@ -69,17 +77,31 @@ def build_library(source: Path, folder: Path) -> None:
 
 
 def link(source: Path, library: Path) -> Path:
-    """The node: its program of one configuration, the generated C, and what all nodes share."""
+    """The node: its program of one configuration, the component, and what all nodes share."""
     program = source.parent / "node"
-    run("g++", *FLAGS, f"-I{source}", "-c", source / "main.cpp", "-o", source / "main.o")
-    run("gcc", "-c", source / "echocal_correction.c", "-o", source / "correction.o")
+    own = [source / "main.cpp", source / OWN / "echocal_sensor.cpp"]
+    for part in own:
+        run("g++", *FLAGS, f"-I{source}", "-c", part, "-o", part.with_suffix(".o"))
+    run("gcc", "-c", source / OWN / "echocal_correction.c", "-o", source / "correction.o")
     shared = (library / name for name in OBJECTS)
-    run("g++", source / "main.o", source / "correction.o", *shared, "-o", program)
+    objects = (part.with_suffix(".o") for part in own)
+    run("g++", *objects, source / "correction.o", *shared, "-o", program)
     return program
 
 
-def published(node: Path, pulses: Iterable[Pulse]) -> list[float]:
-    """The distance [m] that the node publishes after each trigger pulse."""
+class Told(NamedTuple):
+    """What a node publishes after each trigger pulse."""
+
+    distance: NDArray[np.float64]  # m
+    status: list[str]
+    plain: NDArray[np.float64]  # m, of ESPHome's `ultrasonic`
+
+
+def published(node: Path, pulses: Iterable[Pulse]) -> Told:
+    """What the node publishes."""
     text = "".join(f"{silence} {length} {warm} {damp}\n" for silence, length, warm, damp in pulses)
     home = f"HOME={node.parent}"  # where a node keeps its preferences
-    return [float(line) for line in run("env", home, node, text=text).split()]
+    lines = [line.split(maxsplit=2) for line in run("env", home, node, text=text).splitlines()]
+    ours = [line for line in lines if line[0] == "D"]
+    plain = [float(line[1]) for line in lines if line[0] == "P"]
+    return Told(np.array([float(line[1]) for line in ours]), [line[2] for line in ours], np.array(plain))

@@ -1,9 +1,9 @@
 /*
- * The hardware below ESPHome's own code for its platform `host`: two pins with a virtual HC-SR04, and the clock, which the
- * code asks the C library for. Everything else of the program is ESPHome's.
+ * The hardware below ESPHome's own code for its platform `host`: pins with two virtual HC-SR04, and the clock, which the
+ * code asks the C library for. Everything else of the program is ESPHome's, and the component under test.
  *
- * Reads a line for each trigger pulse: microseconds until the echo pulse begins, its length [us] (0: none), the temperature
- * [degC] and the humidity [%]. Prints the published distance [m] of each.
+ * Reads a line for each trigger pulse of a module: microseconds until the echo pulse begins, its length [us] (0: none), the
+ * temperature [degC] and the humidity [%]. Prints what each sensor publishes: its letter, the distance [m], the status.
  */
 #include "esphome.h"
 
@@ -13,21 +13,40 @@
 
 using namespace esphome;
 
-enum { TRIGGER = 4, ECHO = 5, PULSE_US = 10 /* of a trigger */ };
+enum { PULSE_US = 10 /* of a trigger */ };
 
-static int64_t now = 1'000'000, triggered, rise = -1, fall = -1; /* [us] */
-static bool interrupted, level;
-static void (*handler)(void *);
-static void *argument;
+struct Line {
+    long silence, length;
+    float temperature, humidity;
+};
 
-static void edge(int64_t &when, bool high)
+struct Module {
+    uint8_t trigger, echo;
+    const char *sensor;
+    int64_t triggered, rise = -1, fall = -1; /* [us] */
+    bool level, heard_all;
+    size_t heard;
+    void (*handler)(void *);
+    void *argument;
+
+    /* When the level changes next; -1: never. */
+    int64_t next() const { return rise >= 0 ? rise : fall; }
+};
+
+static Module modules[] = { { 4, 5, "Distance" }, { 12, 13, "Plain" } };
+static std::vector<Line> lines;
+static int64_t now = 1'000'000; /* [us] */
+static bool interrupted;
+
+static void edge(Module &module)
 {
+    int64_t &when = module.rise >= 0 ? module.rise : module.fall;
     now = when;
     when = -1;
-    level = high;
+    module.level = !module.level;
     interrupted = true;
-    if (handler != nullptr) {
-        handler(argument);
+    if (module.handler != nullptr) {
+        module.handler(module.argument);
     }
     interrupted = false;
 }
@@ -38,11 +57,18 @@ static void advance(int64_t until)
     if (interrupted) {
         return;
     }
-    while (rise >= 0 && rise <= until) {
-        edge(rise, true);
-    }
-    while (rise < 0 && fall >= 0 && fall <= until) {
-        edge(fall, false);
+    for (;;) {
+        Module *first = nullptr;
+        for (Module &module : modules) {
+            const int64_t when = module.next();
+            if (when >= 0 && when <= until && (first == nullptr || when < first->next())) {
+                first = &module;
+            }
+        }
+        if (first == nullptr) {
+            break;
+        }
+        edge(*first);
     }
     now = until;
 }
@@ -64,37 +90,78 @@ static void set(const char *name, float value)
     }
 }
 
-/* The next line of input; at its end the program ends. A module that sounds hears no trigger. */
-static void listen()
+/* The next line of input; at the end of both modules the program ends. A module that sounds hears no trigger. */
+static void listen(Module &module)
 {
-    long silence, length;
-    float temperature, humidity;
-    if (level || rise >= 0) {
+    if (module.level || module.rise >= 0) {
         return;
     }
-    if (scanf("%ld %ld %f %f", &silence, &length, &temperature, &humidity) != 4) {
-        fflush(stdout);
-        _exit(0);
+    if (module.heard == lines.size()) {
+        module.heard_all = true;
+        if (modules[0].heard_all && modules[1].heard_all) {
+            fflush(stdout);
+            _exit(0);
+        }
+        return;
     }
-    set("air_temperature", temperature);
-    set("air_humidity", humidity);
-    if (length > 0) {
-        rise = now + silence;
-        fall = rise + length;
+    const Line &line = lines[module.heard++];
+    if (&module == modules) {
+        set("air_temperature", line.temperature);
+        set("air_humidity", line.humidity);
+    }
+    if (line.length > 0) {
+        module.rise = now + line.silence;
+        module.fall = module.rise + line.length;
     }
 }
 
 static void write(uint8_t pin, bool value)
 {
-    if (pin != TRIGGER) {
-        return;
+    for (Module &module : modules) {
+        if (pin != module.trigger) {
+            continue;
+        }
+        if (value) {
+            module.triggered = now;
+        } else if (module.triggered > 0 && now - module.triggered >= PULSE_US) {
+            module.triggered = 0;
+            listen(module);
+        }
     }
-    if (value) {
-        triggered = now;
-    } else if (triggered > 0 && now - triggered >= PULSE_US) {
-        triggered = 0;
-        listen();
+}
+
+static Module *behind(uint8_t pin)
+{
+    for (Module &module : modules) {
+        if (pin == module.echo) {
+            return &module;
+        }
     }
+    return nullptr;
+}
+
+static bool read(uint8_t pin)
+{
+    const Module *module = behind(pin);
+    return module != nullptr && module->level;
+}
+
+static const char *status() { return App.get_text_sensors()[0]->state.c_str(); }
+
+/* Print what the module's sensor publishes; once, before the first of them reads the lines. */
+static void listen_to(const Module &module)
+{
+    if (lines.empty()) {
+        Line line;
+        while (scanf("%ld %ld %f %f", &line.silence, &line.length, &line.temperature, &line.humidity) == 4) {
+            lines.push_back(line);
+        }
+    }
+    find(module.sensor)->add_on_state_callback([&module](float distance) {
+        if (!module.heard_all) {
+            printf("%c %.9g %s\n", module.sensor[0], distance, &module == modules ? status() : "");
+        }
+    });
 }
 
 extern "C" int clock_gettime(clockid_t, struct timespec *told) noexcept
@@ -121,23 +188,23 @@ namespace esphome {
 namespace host {
 void HostGPIOPin::pin_mode(gpio::Flags)
 {
-    if (pin_ == ECHO) {
-        find("Distance")->add_on_state_callback([](float distance) { printf("%.9g\n", distance); });
+    if (const Module *module = behind(pin_)) {
+        listen_to(*module);
     }
 }
 void HostGPIOPin::attach_interrupt(void (*function)(void *), void *with, gpio::InterruptType) const
 {
-    handler = function;
-    argument = with;
+    behind(pin_)->handler = function;
+    behind(pin_)->argument = with;
 }
 void HostGPIOPin::detach_interrupt() const {}
-bool HostGPIOPin::digital_read() { return pin_ == ECHO && level; }
+bool HostGPIOPin::digital_read() { return read(pin_); }
 void HostGPIOPin::digital_write(bool value) { write(pin_, value); }
 size_t HostGPIOPin::dump_summary(char *buffer, size_t) const { return *buffer = 0; }
 ISRInternalGPIOPin HostGPIOPin::to_isr() const { return ISRInternalGPIOPin((void *)(uintptr_t)pin_); }
 } // namespace host
 
-bool ISRInternalGPIOPin::digital_read() { return (uintptr_t)arg_ == ECHO && level; }
+bool ISRInternalGPIOPin::digital_read() { return read((uint8_t)(uintptr_t)arg_); }
 void ISRInternalGPIOPin::digital_write(bool value) { write((uint8_t)(uintptr_t)arg_, value); }
 void ISRInternalGPIOPin::clear_interrupt() {}
 InterruptLock::InterruptLock() {}

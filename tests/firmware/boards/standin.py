@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+import numpy as np
 from toolchain import run
 
 from echocal import silicon
@@ -17,18 +18,30 @@ PACE = ("-icount", "shift=5")  # an instruction takes 32 ns, as at 31 MHz
 
 
 def play(
-    packed: Firmware, sketch: str, core: str, folder: Path, millivolts: int, echoes: list[int]
+    packed: Firmware,
+    sketch: str,
+    core: str,
+    folder: Path,
+    millivolts: int | list[int],
+    echoes: list[int],
+    supply: int = 3_300,
 ) -> list[str]:
-    """The lines that a sketch sends, one echo [us] after each of its trigger pulses; 0 is no pulse at all."""
+    """The lines that a sketch sends, one echo [us] after each of its trigger pulses; 0 is no pulse at all.
+
+    The voltages [mV] at the analog pins belong to the echoes; `supply` [mV] is the converter's reference.
+    """
     board = silicon.CORES[core]
     assert isinstance(board, Qemu)
     packed.save(folder)
     given = (
         f"-DECHOES={','.join(map(str, echoes))}",
-        f"-DMILLIVOLTS={millivolts}",
+        f"-DMILLIVOLTS={','.join(map(str, np.atleast_1d(millivolts)))}",
+        f"-DSUPPLY={supply}",
         f"-DCLOCK={CLOCKS[core]}",
     )
-    kind = {"cortex-m0": ("-DMICROBIT",), "rv32": ("-DARDUINO_ARCH_ESP32",)}.get(core, ())
+    kind = {"cortex-m0": ("-DMICROBIT",), "rv32": ("-DARDUINO_ARCH_ESP32",)}.get(
+        core, ("-DARDUINO_ARCH_STM32",)
+    )
     headers = {f"-I{(folder / path).parent}" for path in packed.files if path.endswith(".h")}
     flags = (*board.flags, *BARE, *given, *kind, f"-I{HERE}", *headers)
     (source,) = (folder / path for path in packed.files if path.endswith("correction.c"))

@@ -9,7 +9,7 @@ from costs import Cost, check
 
 from echocal import Model, firmware, silicon
 from echocal.firmware import Firmware
-from echocal.silicon.avr import Avr, folded
+from echocal.silicon.avr import Avr, joined
 
 DRY = {"relative_humidity": 0.0, "co2_mole_fraction": 0.0}
 DS18B20 = (0.0625, -20.0, 60.0)
@@ -93,5 +93,5 @@ def test_every_form_on_avr(case: Firmware, tmp_path: Path) -> None:
     step = (codes["maximum"] - codes["minimum"]) // 2
     rows, _ = board.drive(board.compile(case, tmp_path, "-Os"), case, step)
     for row, code in zip(rows, range(codes["minimum"], codes["maximum"] + 1, step), strict=True):
-        outputs = case.distance_um(np.arange(echo["minimum"], echo["maximum"] + 1), code).astype(np.uint32)
-        assert row == folded(outputs.tolist())
+        outputs = case.distance_um(np.arange(echo["minimum"], echo["maximum"] + 1), code).astype(np.int64)
+        assert row == joined((outputs + 2**31).tolist(), 1)

@@ -146,10 +146,7 @@ def missed(trace: Trace, settings: NoiseSettings) -> Column | None:
     with np.errstate(divide="ignore"):
         log = np.log(best.weights)[best.cells] + log_density(beside, best.scale, best.freedom)
     part = np.exp(log - log.max(axis=1, keepdims=True))
-    off = step * (part @ orders) / part.sum(axis=1)
-    if best.orders == _EITHER:  # a level is known up to whole periods, so its mean stays
-        off -= (np.bincount(trace.segment, off) / np.bincount(trace.segment))[trace.segment]
-    return np.asarray(off)
+    return np.asarray(step * (part @ orders) / part.sum(axis=1))
 
 
 def _mixtures(trace: Trace, step: Column, settings: NoiseSettings) -> list[_Mixture]:

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from echocal.errors import DataError, UsageError, among
+from echocal.keywords import keyword
 from echocal.model.folder import label as label_of
 from echocal.observations import Observations
 
@@ -109,6 +110,9 @@ def divided(table: Any, by: str, how: Mapping[str, Any]) -> Sources:
         raise UsageError(message)
     options = ReadOptions(**how)
     whole = load(table, replace(options.layout, text_column=by), sheet=options.sheet)
+    rangers = [name.strip() for name in by.split(",")]
+    if by not in whole.columns and len(rangers) > 1 and {*rangers} <= {*whole.columns}:
+        return _side_by_side(whole, by, rangers, options)
     if by not in whole.columns:
         message = f"there is no column '{by}' to divide the table by{among(by, whole.columns)}"
         raise DataError(message)
@@ -124,3 +128,37 @@ def divided(table: Any, by: str, how: Mapping[str, Any]) -> Sources:
     parts = {label: keep(whole.iloc[places].reset_index(drop=True), found) for label, places in rows.items()}
     own = replace(options, columns={**options.requests, by: "ignore"}).given()
     return Sources(parts, own, sum(not label for label in labels), by)
+
+
+def _side_by_side(table: Any, by: str, rangers: Sequence[str], options: Any) -> Sources:
+    """A table for each of several rangers that have columns beside each other; the other columns are all's.
+
+    Raises
+    ------
+    UsageError
+        If nothing says what one of the columns holds, or it is no reading and no echo time.
+    """
+    from echocal.observations.found import found_in, keep
+    from echocal.observations.hints import hint
+    from echocal.observations.names import by_request
+
+    found = found_in(table)
+    requests = {name: own for name, own in options.requests.items() if name not in rangers}
+    parts = {}
+    for ranger in rangers:
+        said = hint(ranger, found.units.get(ranger, ""))
+        request = options.requests.get(ranger) or (said.name if said else "")
+        held = by_request(ranger, request) if request else None
+        if held is None or held[0].level or held[0].quantity not in ("reading", "echo_time"):
+            meant = keyword("columns", {ranger: "reading_cm"})
+            message = f"{keyword('by', by)}: say what '{ranger}' holds, a reading or an echo time: {meant}"
+            raise UsageError(message)
+        name = f"{held[0].role}_{held[1]}"
+        others = [other for other in rangers if other != ranger]
+        if name in table.columns and name not in rangers:
+            way = keyword("by", f"{by},{name}")
+            message = f"the table has a column '{name}' beside '{ranger}'; is it a ranger, too? {way}"
+            raise UsageError(message)
+        parts[ranger] = keep(table.drop(columns=others).rename(columns={ranger: name}), found)
+    own = replace(options, columns=requests).given()
+    return Sources(parts, own, 0, by)

@@ -46,8 +46,8 @@ def moving_target(table: Table, settings: RowSettings) -> str:
     segments = "" if np.isinf(usual) else f" within the {len(steps) + 1} segments between steps"
     return (
         f"the target moved: {keyword('constant_distance', True)} says that it did not, and 90 % of the "
-        f"readings differ by up to {1e3 * (high - low):.0f} mm{segments}, at about {level:.3g} m, beyond what the "
-        "recorded temperature explains. No cause of an error can be told from a movement: record the "
-        f"distance (a column distance_m, or {keyword('columns', {'NAME': 'reference_level_m'})}), or leave "
-        f"out the rows in which the target moves ({keyword('since')}, {keyword('until')})"
+        f"readings differ by up to {1e3 * (high - low):.0f} mm{segments}, at about {level:.3g} m, beyond "
+        "what the recorded temperature explains. No cause of an error can be told from a movement: record "
+        f"the distance (a column distance_m, or {keyword('columns', {'NAME': 'reference_level_m'})}), or "
+        f"leave out the rows in which the target moves ({keyword('since')}, {keyword('until')})"
     )

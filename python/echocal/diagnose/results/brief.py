@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from echocal.concise import decimal
 from echocal.diagnose.catalogue import find_cause
-from echocal.diagnose.findings.parts import Cause, Gain
+from echocal.diagnose.findings.parts import Cause, Gain, Unexplained
 from echocal.diagnose.findings.sentences import enumerated, parameter_text, spoken
 from echocal.diagnose.results.explain import EVEN, good_enough_text, proposal_text, rivals_of
 from echocal.diagnose.results.outcome import Outcome
@@ -52,7 +52,8 @@ def _wrong(diagnosis: Outcome) -> str:
         return f"{good_enough_text(diagnosis)}."
     spoiled = [_sentence(cause) for cause in _spoiling(diagnosis)]
     if effects := _named(diagnosis):
-        return " ".join([*map(_sentence, effects), *spoiled])
+        more = [] if diagnosis.unexplained is None else [f"Also {_follows(diagnosis.unexplained)}"]
+        return " ".join([*map(_sentence, effects), *spoiled, *more])
     if diagnosis.verdict == "nothing":
         return f"these rows show no systematic error of the base ({_base(diagnosis)})."
     if diagnosis.verdict == "named" and spoiled:
@@ -66,8 +67,7 @@ def _wrong(diagnosis: Outcome) -> str:
 def _open(diagnosis: Outcome) -> list[str]:
     """What is wrong where no effect is named."""
     if diagnosis.unexplained is not None:
-        against = spoken(diagnosis.unexplained.against)
-        return [f"something that echocal has no name for shifts the readings; it follows the {against}."]
+        return [_follows(diagnosis.unexplained)]
     if diagnosis.verdict == "unknown":
         return ["something that echocal has no name for shifts the readings."]
     effects = [cause for cause in diagnosis.causes if cause.kind == "effect"]
@@ -83,6 +83,11 @@ def _open(diagnosis: Outcome) -> list[str]:
     return [f"something shifts the readings, and these rows do not tell what: {shown}."]
 
 
+def _follows(term: Unexplained) -> str:
+    against = spoken(term.against)
+    return f"something that echocal has no name for shifts the readings; it follows the {against}."
+
+
 def _sentence(cause: Cause) -> str:
     """What a cause does; where others would look the same, no more than that."""
     rivals = rivals_of(cause)
@@ -90,8 +95,8 @@ def _sentence(cause: Cause) -> str:
     if not rivals:
         return f"{sentence} ({cause.id})."
     if len(rivals) > 1 and (cause.probability_alone or 0.0) < EVEN:
-        first = enumerated([cause.id, *rivals[:1]])
-        return f"A cause that these rows do not separate from {len(rivals)} others acts, such as {first}."
+        some = f"{cause.id} or {rivals[0]}"
+        return f"One of {1 + len(rivals)} causes that look the same in these rows acts, such as {some}."
     alike = rivals[0] if len(rivals) == 1 else f"{len(rivals)} others"
     return f"{sentence} ({cause.id}; in these rows {alike} would look the same)."
 
@@ -140,6 +145,8 @@ def _next(diagnosis: Outcome) -> str:
         return "nothing to correct."
     if _named(diagnosis) and diagnosis.model.effects:
         return "correct the readings with this model."
+    if diagnosis.verdict == "named" and any(cause.kind == "gross" for cause in _spoiling(diagnosis)):
+        return "mend the program or the table; the diagnosis has put it right for itself only."
     if diagnosis.next_measurements:
         return f"{proposal_text(diagnosis.next_measurements[0])}."
     if diagnosis.unexplained is not None:

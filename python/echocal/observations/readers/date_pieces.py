@@ -48,9 +48,9 @@ def step(table: pd.DataFrame, found: Found) -> tuple[pd.DataFrame, Found]:
     if not all(_is_piece(piece, own) for piece, own in values.items()):
         return table, found
     time = _dates(values)
-    for piece, unit in (("hour", "h"), ("minute", "m"), ("second", "s")):
+    for piece, seconds in (("hour", 3600.0), ("minute", 60.0), ("second", 1.0)):
         if piece in values:
-            time = time + pd.to_timedelta(values[piece], unit=unit)
+            time = time + pd.to_timedelta(seconds * values[piece], unit="s")
     names = ", ".join(f"'{name}'" for name in used.values())
     requests = {**found.requests, **dict.fromkeys(used.values(), "ignore")}
     notes = (*found.notes, f"{names} are read together as time")

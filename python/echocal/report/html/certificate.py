@@ -13,14 +13,23 @@ from numpy.typing import NDArray
 from echocal.budget import Budget, budget
 from echocal.budget.conformity import Conformity, assessed, budget_of_errors
 from echocal.budget.coverage import COVERAGE, DECISIONS
-from echocal.budget.rounding import concise, plus_minus
+from echocal.budget.rounding import plus_minus
+from echocal.concise import concise
 from echocal.errors import UsageError
 from echocal.model import Model
 from echocal.observations import Observations
 from echocal.outputs import replace_text, replacing
 from echocal.quantities import QUANTITIES
 from echocal.registry import find_effect
-from echocal.report.budget import HEADS, conditions_at, conditions_head, conditions_text, lines, result_text
+from echocal.report.budget import (
+    HEADS,
+    conditions_at,
+    conditions_head,
+    conditions_text,
+    lines,
+    probability_text,
+    result_text,
+)
 from echocal.report.html.document import rendered
 
 __all__ = ["Certificate", "certificate_page", "certify", "refuse_ending", "save_certificate"]
@@ -74,7 +83,7 @@ class Certificate:
         ]
         return (
             f"Of {len(self.rows)} {what}, {', '.join(parts)} with the maximum permissible error of ±{bound}. "
-            f"The least probability of conformity is {100 * self.conformity.probability.min():.3g} %."
+            f"The least probability of conformity is {probability_text(self.conformity.probability.min())}."
         )
 
 
@@ -289,7 +298,7 @@ def _results(own: Certificate) -> list[list[str]]:
         if own.measured:
             line.append(plus_minus(1e3 * judged.error[worst], 1e3 * judged.expanded_uncertainty[worst]))
         found.append(
-            [*line, f"{100 * judged.probability[worst]:.1f} %", DECISIONS[int(judged.decision[worst])]]
+            [*line, probability_text(judged.probability[worst]), DECISIONS[int(judged.decision[worst])]]
         )
     return found
 
@@ -308,8 +317,7 @@ def _groups(own: Certificate) -> list[NDArray[np.int64]]:
 
 
 def _origins(found: Budget) -> list[str]:
-    return [
-        f"{e.words}: {e.origin}"
-        for e in found.entries
-        if e.origin not in ("stated", "model", "covariance of the model")
-    ]
+    """Sources of the numbers, once each."""
+    own = ("stated", "model", "covariance of the model")
+    named = {e.origin: e.words.partition(", ")[0] for e in reversed(found.entries) if e.origin not in own}
+    return [f"{words}: {origin}" for origin, words in reversed(named.items())]

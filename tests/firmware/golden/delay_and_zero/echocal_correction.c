@@ -14,17 +14,21 @@ int32_t echocal_distance_um(uint16_t echo_us, int16_t temperature_code)
     }
     /* temperature code minus the code of -20 degC */
     const uint16_t temperature_index = (uint16_t)((uint16_t)temperature_code + 40U);
-    /* step of Horner's rule [2^-21 units of speed], sign inverted */
-    const uint16_t curvature = (uint16_t)(40664U - (uint16_t)(((uint32_t)temperature_index * 59413U) >> 11));
-    /* step of Horner's rule [2^-10 units of speed] */
-    const uint16_t slope = (uint16_t)(41269U - (uint16_t)(((uint32_t)temperature_index * (uint32_t)curvature) >> 11));
+    /* temperature index, scaled */
+    const uint16_t scaled = (uint16_t)(temperature_index * 45U);
+    /* intermediate value, before a type conversion */
+    const uint16_t exact = (uint16_t)(61258U - scaled);
+    /* of degree 2 in the temperature index */
+    const uint16_t parabola = (uint16_t)((uint16_t)(((uint32_t)scaled * (uint32_t)exact) >> 16) + 15640U);
+    /* of degree 2 in the temperature index */
+    const uint16_t second_factor = (uint16_t)(((uint32_t)scaled + 77360U) - (uint32_t)parabola);
     /* half the speed of sound [2^-8 um per echo code] */
-    const uint16_t speed = (uint16_t)((uint16_t)(((uint32_t)temperature_index * (uint32_t)slope) >> 10) + 40827U);
+    const uint16_t speed = (uint16_t)((uint16_t)(((uint32_t)parabola * (uint32_t)second_factor) >> 16) + 26098U);
     /* echo time minus the delay [echo codes] */
     const uint16_t flight = (uint16_t)(echo_us - 31U);
     /* distance [um], too small by 4000 */
     const uint32_t distance = ((uint32_t)flight * (uint32_t)speed) >> 8;
     /* intermediate value, before a type conversion */
-    const uint32_t exact = distance + 4000U;
-    return (int32_t)exact;
+    const uint32_t exact_2 = distance + 4000U;
+    return (int32_t)exact_2;
 }

@@ -20,7 +20,25 @@
  * Assumed values of the conditions that the device does not measure:
  *   relative_humidity 0: up to 123.6 mm if it is anywhere in 0 .. 1
  *   pressure 101325 Pa: up to 0.3 mm if it is anywhere in 80000 .. 106000 Pa
- *   co2_mole_fraction 0.0004: up to 1.7 mm if it is anywhere in 0.0003 .. 0.002
+ *   co2_mole_fraction 0.0004: up to 1.8 mm if it is anywhere in 0.0003 .. 0.002
+ *
+ * Expanded uncertainty of an output (95 %, 1.96 standard uncertainties, JCGM 100:2008), at 20 degC or the nearest
+ * accepted temperature:
+ * - at 0.5 m: 1.108 mm
+ * - at 1.0 m: 2.206 mm
+ * - at 2.0 m: 4.406 mm
+ * - at 4.0 m: 8.809 mm
+ * It includes:
+ * - the law published; the model does not state the repeatability of a reading, so the uncertainty is without it
+ * - echo times in steps of 1 us
+ * - temperature in steps of 0.5 degC
+ * - co2_mole_fraction, assumed 0.0004, anywhere in 0.0003 .. 0.002
+ * - pressure, assumed 101325 Pa, anywhere in 80000 .. 106000 Pa
+ * - relative_humidity, assumed 0, anywhere in 0 .. 1
+ * - nothing of the error of the thermometer itself: state it to include it
+ * - the arithmetic, anywhere within 0.0656 mm
+ *
+ * Reach: distances from 0.02 to 4.0 m are accepted in all conditions, from 0.017 to 4.587 m in some.
  *
  * Proven: the outputs for all 4,019,204 accepted inputs were computed and compared with the model.
  * - Error at distances up to 4.0 m (3,742,911 inputs): at most 0.0656 mm (requested: 0.5 mm).
@@ -29,7 +47,7 @@
  *   Worst input: echo_us 25056, temperature_code 95 (47.5 degC).
  * - No intermediate result overflows.
  * - The distance never decreases when the echo time increases.
- * - Hash of all outputs, in order: 0x3d6ffcb6.
+ * - Hash of all outputs, in order: 0x1cc6d106fd12fa3c.
  *
  * Speed factor: product of two straight lines in the temperature code.
  * Memory: 0 bytes of constant tables. No variables of static storage duration.
@@ -48,6 +66,14 @@
 #ifdef __cplusplus
 extern "C" {
 #endif
+
+/** Version of the interface: names, arguments and statuses. */
+#define ECHOCAL_INTERFACE_VERSION (2)
+/** Version of echocal that generated this file. */
+#define ECHOCAL_GENERATOR_VERSION "0.1.0"
+/** SHA-256 of the model, and its first 32 bits. */
+#define ECHOCAL_MODEL_HASH "75390cb05223f8582a2479c13fc64129d66d975f2b6ab017044a3322d2b6e299"
+#define ECHOCAL_MODEL_ID (0x75390CB0U)
 
 /** Return value for codes outside the accepted ranges. It is never a distance. echocal_status() tells why. */
 #define ECHOCAL_OUT_OF_RANGE INT32_MIN
@@ -104,6 +130,18 @@ static inline uint8_t echocal_status(uint16_t echo_us, int16_t temperature_code)
         status = ECHOCAL_OK;
     }
     return status;
+}
+
+/**
+ * @brief Expanded uncertainty (95 %) of a distance, as stated above, from a line that is nowhere below it.
+ *
+ * @param distance an output that is a distance [um]
+ * @return expanded uncertainty [um]
+ */
+static inline uint32_t echocal_uncertainty_um(int32_t distance)
+{
+    const uint32_t length = (distance > 0) ? (uint32_t)distance : 0U;
+    return 91U + (((((length >> 8) + 1U) * 143U) + 255U) >> 8);
 }
 
 #ifdef __cplusplus

@@ -17,12 +17,32 @@ Diagnosis that this model comes from:
 Assumed values of the conditions that the device does not measure:
   relative_humidity 0: up to 123.6 mm if it is anywhere in 0 .. 1
   pressure 101325 Pa: up to 0.3 mm if it is anywhere in 80000 .. 106000 Pa
-  co2_mole_fraction 0.0004: up to 1.7 mm if it is anywhere in 0.0003 .. 0.002
+  co2_mole_fraction 0.0004: up to 1.8 mm if it is anywhere in 0.0003 .. 0.002
+
+Expanded uncertainty of an output (95 %, 1.96 standard uncertainties, JCGM 100:2008), at 20 degC or the nearest
+accepted temperature:
+- at 0.5 m: 1.108 mm
+- at 1.0 m: 2.206 mm
+- at 2.0 m: 4.406 mm
+- at 4.0 m: 8.809 mm
+It includes:
+- the law published; the model does not state the repeatability of a reading, so the uncertainty is without it
+- echo times in steps of 1 us
+- temperature in steps of 0.5 degC
+- co2_mole_fraction, assumed 0.0004, anywhere in 0.0003 .. 0.002
+- pressure, assumed 101325 Pa, anywhere in 80000 .. 106000 Pa
+- relative_humidity, assumed 0, anywhere in 0 .. 1
+- nothing of the error of the thermometer itself: state it to include it
+- the arithmetic, anywhere within 0.0656 mm
+
+Reach: distances from 0.02 to 4.0 m are accepted in all conditions, from 0.017 to 4.587 m in some.
 
 Proven: the outputs for all 4,019,204 accepted inputs were computed and compared with the model.
 - Error at distances up to 4.0 m: at most 0.0656 mm (requested: 0.5 mm).
 - Error over all accepted inputs: at most 0.0737 mm.
 - The distance never decreases when the echo time increases.
+
+A call allocates no memory on the heap: no intermediate result needs more than 31 bits.
 
 SPDX-License-Identifier: MIT OR Apache-2.0
 """
@@ -57,8 +77,11 @@ def distance_um(echo_us, temperature_code):
     second_line = (11131 - (temperature_index * 4)) - correction
     # half the speed of sound [2^-8 um per echo code]
     speed = ((first_line * second_line) >> 16) + 40844
+    # an intermediate value, in parts of 14 bits
+    wide16_0 = echo_us * (speed & 16383)
+    wide16_1 = echo_us * (speed >> 14) + (wide16_0 >> 14)
     # distance [um]
-    distance = (echo_us * speed) >> 8
+    distance = (wide16_1 << 6) + ((wide16_0 & 16383) >> 8)
     return distance
 
 

@@ -8,34 +8,34 @@
 #include "echocal_correction.h"
 
 /** Number of test vectors. */
-#define VECTORS (26U)
+#define VECTORS (27U)
 
 /** echo_us of each test vector. */
 static const uint16_t vector_echo_us[VECTORS] = {
     0U, 117U, 118U, 118U, 118U, 118U, 8441U, 8441U, 8441U, 8441U, 12603U, 12603U,
-    12603U, 12603U, 16764U, 16764U, 16764U, 16764U, 25067U, 25088U, 25088U, 25088U, 25088U, 25089U,
-    35001U, 65535U
+    12603U, 12603U, 16764U, 16764U, 16764U, 16764U, 24788U, 25061U, 25088U, 25088U, 25088U, 25088U,
+    25089U, 35001U, 65535U
 };
 
 /** temperature_code of each test vector. */
 static const int16_t vector_temperature_code[VECTORS] = {
     40, 40, -40, 13, 66, 120, -40, 13, 66, 120, -32768, -41,
-    121, 32767, -40, 13, 66, 120, -40, -40, 13, 66, 120, 40,
-    40, 40
+    121, 32767, -40, 13, 66, 120, -28, 96, -40, 13, 66, 120,
+    40, 40, 40
 };
 
 /** distance of each test vector. */
 static const int32_t vector_distance[VECTORS] = {
     INT32_MIN, INT32_MIN, 17874, 18582, 19257, 19916, 1345230, 1413660, 1478936, 1542602, INT32_MIN, INT32_MIN,
-    INT32_MIN, INT32_MIN, 2672586, 2808738, 2938615, 3065289, 3996753, 4000102, 4203983, 4398469, 4588158, INT32_MIN,
-    INT32_MIN, INT32_MIN
+    INT32_MIN, INT32_MIN, 2672586, 2808738, 2938615, 3065289, 3998774, 4499915, 4000102, 4203983, 4398469, 4588158,
+    INT32_MIN, INT32_MIN, INT32_MIN
 };
 
 /** status of each test vector. */
 static const uint8_t vector_status[VECTORS] = {
     1U, 2U, 0U, 0U, 0U, 0U, 0U, 0U, 0U, 0U, 4U, 4U,
-    4U, 4U, 0U, 0U, 0U, 0U, 0U, 0U, 0U, 0U, 0U, 3U,
-    1U, 1U
+    4U, 4U, 0U, 0U, 0U, 0U, 0U, 0U, 0U, 0U, 0U, 0U,
+    3U, 1U, 1U
 };
 
 uint16_t echocal_selftest(void)
@@ -54,32 +54,42 @@ uint16_t echocal_selftest(void)
     return wrong;
 }
 
-/** One step of the FNV-1a hash, applied to a 32-bit word instead of a byte. */
-static uint32_t fold(uint32_t hash, uint32_t word)
-{
-    return (hash ^ word) * 16777619U;
-}
+/** Factor of the hash for each output. */
+#define BASE (40503U)
 
-/** Initial value of the hash. */
-#define SEED (2166136261U)
-
-/** Hash of the outputs for all echo codes at fixed conditions. */
-static uint32_t row(int16_t temperature_code)
+/** Append an output to a hash: hash * BASE + output, modulo 2^61 - 1. Four digits of 16 bits, the lowest first. */
+static void append(uint16_t hash[4], int32_t distance)
 {
-    uint32_t hash = SEED;
-    uint32_t echo_us;
-    for (echo_us = 118U; echo_us <= 25088U; echo_us++) {
-        hash = fold(hash, (uint32_t)echocal_distance_um((uint16_t)echo_us, temperature_code));
+    uint32_t output = (uint32_t)distance ^ 0x80000000U; /* counted from INT32_MIN */
+    uint32_t sum = 0U;
+    uint8_t digit;
+    for (digit = 0U; digit < 4U; digit++) {
+        sum = ((uint32_t)hash[digit] * BASE) + (output & 0xFFFFU) + (sum >> 16);
+        hash[digit] = (uint16_t)(sum & 0xFFFFU);
+        output >>= 16;
     }
-    return hash;
+    /* 2^61 is 1: the bits above the lower 61 are added to them. */
+    hash[3] = (uint16_t)(sum & 0x1FFFU);
+    sum >>= 13;
+    for (digit = 0U; digit < 4U; digit++) {
+        sum += hash[digit];
+        hash[digit] = (uint16_t)(sum & 0xFFFFU);
+        sum >>= 16;
+    }
 }
 
-uint32_t echocal_output_hash(void)
+uint64_t echocal_output_hash(void)
 {
-    uint32_t hash = SEED;
+    const uint64_t prime = 0x1FFFFFFFFFFFFFFFU;
+    uint16_t digits[4] = {0U, 0U, 0U, 0U};
+    uint64_t hash;
+    uint32_t echo_us;
     int32_t temperature_code;
     for (temperature_code = -40; temperature_code <= 120; temperature_code++) {
-        hash = fold(hash, row((int16_t)temperature_code));
+        for (echo_us = 118U; echo_us <= 25088U; echo_us++) {
+            append(digits, echocal_distance_um((uint16_t)echo_us, (int16_t)temperature_code));
+        }
     }
-    return hash;
+    hash = ((uint64_t)digits[3] << 48) | ((uint64_t)digits[2] << 32) | ((uint64_t)digits[1] << 16) | digits[0];
+    return (hash < prime) ? hash : (hash - prime);
 }

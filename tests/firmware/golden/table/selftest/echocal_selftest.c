@@ -54,32 +54,42 @@ uint16_t echocal_selftest(void)
     return wrong;
 }
 
-/** One step of the FNV-1a hash, applied to a 32-bit word instead of a byte. */
-static uint32_t fold(uint32_t hash, uint32_t word)
-{
-    return (hash ^ word) * 16777619U;
-}
+/** Factor of the hash for each output. */
+#define BASE (40503U)
 
-/** Initial value of the hash. */
-#define SEED (2166136261U)
-
-/** Hash of the outputs for all echo codes at fixed conditions. */
-static uint32_t row(int16_t temperature_code)
+/** Append an output to a hash: hash * BASE + output, modulo 2^61 - 1. Four digits of 16 bits, the lowest first. */
+static void append(uint16_t hash[4], int32_t distance)
 {
-    uint32_t hash = SEED;
-    uint32_t echo_us;
-    for (echo_us = 109U; echo_us <= 25072U; echo_us++) {
-        hash = fold(hash, (uint32_t)echocal_distance_um((uint16_t)echo_us, temperature_code));
+    uint32_t output = (uint32_t)distance ^ 0x80000000U; /* counted from INT32_MIN */
+    uint32_t sum = 0U;
+    uint8_t digit;
+    for (digit = 0U; digit < 4U; digit++) {
+        sum = ((uint32_t)hash[digit] * BASE) + (output & 0xFFFFU) + (sum >> 16);
+        hash[digit] = (uint16_t)(sum & 0xFFFFU);
+        output >>= 16;
     }
-    return hash;
+    /* 2^61 is 1: the bits above the lower 61 are added to them. */
+    hash[3] = (uint16_t)(sum & 0x1FFFU);
+    sum >>= 13;
+    for (digit = 0U; digit < 4U; digit++) {
+        sum += hash[digit];
+        hash[digit] = (uint16_t)(sum & 0xFFFFU);
+        sum >>= 16;
+    }
 }
 
-uint32_t echocal_output_hash(void)
+uint64_t echocal_output_hash(void)
 {
-    uint32_t hash = SEED;
+    const uint64_t prime = 0x1FFFFFFFFFFFFFFFU;
+    uint16_t digits[4] = {0U, 0U, 0U, 0U};
+    uint64_t hash;
+    uint32_t echo_us;
     int32_t temperature_code;
     for (temperature_code = -40; temperature_code <= 120; temperature_code++) {
-        hash = fold(hash, row((int16_t)temperature_code));
+        for (echo_us = 109U; echo_us <= 25072U; echo_us++) {
+            append(digits, echocal_distance_um((uint16_t)echo_us, (int16_t)temperature_code));
+        }
     }
-    return hash;
+    hash = ((uint64_t)digits[3] << 48) | ((uint64_t)digits[2] << 32) | ((uint64_t)digits[1] << 16) | digits[0];
+    return (hash < prime) ? hash : (hash - prime);
 }

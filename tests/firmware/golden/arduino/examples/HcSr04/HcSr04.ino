@@ -12,19 +12,28 @@
  *   sketch disables interrupts during this count, for up to 50 ms if there is no echo. With interrupts enabled, the
  *   interrupt of millis() delays the loop, and the reading is about 0.6 % short: 12 mm at 2 m. While interrupts are
  *   disabled, millis() loses time, and the USB port of an ATmega32U4 does not respond.
- * - Other boards: micros() at each edge, with interrupts enabled. micros() needs them: an STM32 counts milliseconds in an
- *   interrupt. An edge that occurs during an interrupt is recorded late, by the duration of that interrupt.
+ * - Other boards: an interrupt at each edge takes the time by micros(). An edge that occurs during another interrupt is
+ *   recorded late, by the duration of that interrupt.
  *
  * The first two methods were tested on a simulated ATmega328P. The third was tested on simulated cores (Cortex-M0, M3, M4
  * and RV32), with a replacement for the board's library. It was not tested on a real STM32 or ESP32.
+ *
+ * How it measures the temperature: the mean of 16 samples, each taken for the middle of its step.
+ * - AVR: the converter's reference is the chip's own, so that the supply does not matter and the steps are small. Chips
+ *   differ by up to 10 %: while the sketch runs, measure the voltage at the pin AREF and write it to REFERENCE below.
+ * - STM32: the sketch measures the converter's reference with the chip's calibrated one, where the chip has that.
+ * - ESP32: the library's calibrated analogReadMilliVolts(). Other boards: measure the supply and write it to REFERENCE.
  *
  * Output, one line for each measurement: the codes and the distance [um], or why there is none: see REASONS.
  *
  * SPDX-License-Identifier: MIT OR Apache-2.0
  */
 #include <Arduino.h>
+#if defined(ARDUINO_ARCH_STM32)
+#include <stm32yyxx_ll_adc.h>
+#endif
 
-#include <echocal_correction.h>
+#include <Echocal_7f8cc3f8.h>
 
 #if defined(ARDUINO_ARCH_ESP32)
 static const uint8_t TRIGGER_PIN = 4;
@@ -38,11 +47,27 @@ static const uint8_t ECHO_PIN = 8; /* ICP1 of an UNO */
 #endif
 /* Longest wait [us]: the longest accepted echo time, and 25 ms, in which the pulse must begin. */
 static const uint32_t ECHO_TIMEOUT = 50073UL;
-#if defined(__AVR__)
-static const int32_t SUPPLY = 5000; /* reference voltage of the converter [mV]; 3300 on an AVR board with 3.3 V */
+
+/* Reference voltage of the converter [mV], its choice, and the number of its steps. */
+#if defined(INTERNAL1V1)
+static const int32_t REFERENCE = 1100;
+static const uint8_t REFERENCE_CHOICE = INTERNAL1V1;
+#elif defined(__AVR_ATmega32U4__)
+static const int32_t REFERENCE = 2560;
+static const uint8_t REFERENCE_CHOICE = INTERNAL;
+#elif defined(__AVR__)
+static const int32_t REFERENCE = 1100;
+static const uint8_t REFERENCE_CHOICE = INTERNAL;
 #else
-static const int32_t SUPPLY = 3300; /* reference voltage of the converter [mV] */
+static const int32_t REFERENCE = 3300;
 #endif
+#if defined(ARDUINO_ARCH_STM32) || defined(ARDUINO_ARCH_SAMD) || defined(ARDUINO_ARCH_RP2040)
+#define ECHOCAL_12_BITS
+static const int32_t STEPS = 4096;
+#else
+static const int32_t STEPS = 1024;
+#endif
+static const int32_t SAMPLES = 16;
 
 /* Define ECHOCAL_NO_INPUT_CAPTURE if other code uses Timer1. */
 #if !defined(ECHOCAL_NO_INPUT_CAPTURE) \
@@ -100,32 +125,53 @@ static bool echo_pulse(uint32_t &length)
     return length != 0;
 }
 #else
-/* Wait until the echo pin has this level. Returns false after ECHO_TIMEOUT. */
-static bool reaches(uint8_t level, uint32_t since)
+#if !defined(IRAM_ATTR)
+#define IRAM_ATTR /* where interrupts need no memory of their own */
+#endif
+enum Echo { IDLE, AWAITED, SOUNDING, ENDED };
+static volatile uint8_t echo_state = IDLE;
+static volatile uint32_t risen; /* times of the edges [us] */
+static volatile uint32_t fallen;
+
+/* Runs at each edge of the echo pin. */
+static void IRAM_ATTR on_edge()
 {
-    while (digitalRead(ECHO_PIN) != level) {
+    const uint32_t now = micros();
+    if (digitalRead(ECHO_PIN) == HIGH) {
+        if (echo_state == AWAITED) {
+            risen = now;
+            echo_state = SOUNDING;
+        }
+    } else if (echo_state == SOUNDING) {
+        fallen = now;
+        echo_state = ENDED;
+    }
+}
+
+/* Wait until the interrupt leaves this state. Returns false after ECHO_TIMEOUT. */
+static bool leaves(uint8_t state, uint32_t since)
+{
+    while (echo_state == state) {
         if (micros() - since > ECHO_TIMEOUT) {
+            echo_state = IDLE;
             return false;
         }
     }
     return true;
 }
 
-/* Measure the length of the echo pulse [ns]. Returns false if there was no pulse. Interrupts stay enabled for micros(). */
+/* Measure the length of the echo pulse [ns]. Returns false if there was no pulse. A pulse that is high already belongs to
+ * an earlier measurement or to its time-out: only a rising edge begins one. */
 static bool echo_pulse(uint32_t &length)
 {
-    const uint32_t start = micros();
-    /* Wait for a low level first: a pulse that is still high belongs to an earlier measurement or to its time-out. */
-    if (!reaches(LOW, start) || !reaches(HIGH, start)) {
+    echo_state = AWAITED;
+    if (!leaves(AWAITED, micros()) || !leaves(SOUNDING, risen)) {
         return false;
     }
-    const uint32_t risen = micros();
-    if (!reaches(LOW, risen)) {
-        return false;
-    }
-    length = 1000UL * (micros() - risen);
+    length = 1000UL * (fallen - risen);
     return true;
 }
+#define ECHOCAL_INTERRUPT
 #endif
 
 /* Measure the echo time: time_of_flight = echo_us * 0.000001 s. Returns false if there was no echo. */
@@ -142,22 +188,47 @@ static bool read_echo_code(uint16_t &echo_us)
     return received && code <= 65535ULL;
 }
 
-/* Voltage at an analog pin [mV]. */
-static int32_t millivolts(uint8_t pin)
+/* Sum of the samples at an analog pin [codes; on an ESP32 mV]. */
+static int32_t sampled(uint8_t pin)
 {
+    int32_t sum = 0;
+    for (uint8_t sample = 0; sample < SAMPLES; ++sample) {
 #if defined(ARDUINO_ARCH_ESP32)
-    return (int32_t)analogReadMilliVolts(pin);
+        sum += (int32_t)analogReadMilliVolts(pin);
 #else
-    return ((2L * analogRead(pin) + 1) * SUPPLY + 1024) / 2048; /* the middle of the converter's step */
+        sum += analogRead(pin);
+#endif
+    }
+    return sum;
+}
+
+/* Reference voltage of the converter [mV]. */
+#if !defined(ARDUINO_ARCH_ESP32)
+static int32_t reference()
+{
+#if defined(__LL_ADC_CALC_VREFANALOG_VOLTAGE)
+    return (int32_t)__LL_ADC_CALC_VREFANALOG_VOLTAGE(analogRead(AVREF), LL_ADC_RESOLUTION_12B);
+#else
+    return REFERENCE;
 #endif
 }
+#endif
 
 /* Temperature code of a TMP36: 500 mV at 0 degC, 10 mV/degC. Replace this function to use another thermometer.
  * temperature = temperature_code * 0.5 degC. */
 static int16_t read_temperature_code()
 {
     const int32_t lsb = 500000; /* [1e-6 degC] */
-    const int32_t offset = (millivolts(A0) - 500) * 100000 - (0); /* from code 0 [1e-6 degC] */
+    const int32_t sum = sampled(A0);
+#if defined(ARDUINO_ARCH_ESP32)
+    const int32_t microvolts = sum * (1000L / 8) / (SAMPLES / 8);
+#else
+    if (sum == SAMPLES * (STEPS - 1)) {
+        return INT16_MAX; /* hotter than the converter measures: not accepted */
+    }
+    const int32_t microvolts = (int32_t)((2LL * sum + SAMPLES) * 1000 * reference() / (2 * SAMPLES * STEPS));
+#endif
+    const int32_t offset = (microvolts - 500000) * 100 - (0); /* from code 0 [1e-6 degC] */
     const int32_t code = (offset + (offset < 0 ? -abs(lsb) : abs(lsb)) / 2) / lsb;
     /* Without this limit a code too large for the type would wrap to another temperature. */
     return (int16_t)constrain(code, INT16_MIN, INT16_MAX);
@@ -178,6 +249,16 @@ void setup()
     Serial.begin(115200);
     pinMode(TRIGGER_PIN, OUTPUT);
     pinMode(ECHO_PIN, INPUT);
+#if defined(ECHOCAL_INTERRUPT)
+    attachInterrupt(digitalPinToInterrupt(ECHO_PIN), on_edge, CHANGE);
+#endif
+#if defined(__AVR__)
+    analogReference(REFERENCE_CHOICE);
+    analogRead(A0);
+    delay(50); /* [ms], until the capacitor at AREF is discharged */
+#elif defined(ECHOCAL_12_BITS)
+    analogReadResolution(12);
+#endif
 }
 
 void loop()

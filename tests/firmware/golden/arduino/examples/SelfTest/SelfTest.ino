@@ -5,6 +5,7 @@
  */
 #include <Arduino.h>
 
+#include <Echocal_7f8cc3f8.h>
 #include <echocal_selftest.h>
 
 void setup()

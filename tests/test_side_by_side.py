@@ -1,0 +1,73 @@
+"""Several rangers in columns beside each other: one is chosen, or each is a table."""
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+from typer.testing import CliRunner
+
+import echocal
+from echocal.cli import app
+
+FAST = echocal.Model("linear", {"clock_error": {"frequency_error": 0.01}})
+
+
+def two(seed: int = 1) -> pd.DataFrame:
+    """The left one has a fast clock, the right one is right; both look at the same wall."""
+    rng = np.random.default_rng(seed)
+    distance = np.repeat(np.linspace(0.4, 2.6, 12), 8)
+    temperature = 15 + 10 * rng.random(len(distance))
+    left = FAST.indicate(distance, temperature=temperature) + rng.normal(0, 1e-3, len(distance))
+    right = distance + rng.normal(0, 1e-3, len(distance))
+    return pd.DataFrame(
+        {
+            "left (cm)": (100 * left).round(2),
+            "right (mm)": (1000 * right).round(1),
+            "distance_m": distance,
+            "temperature_C": temperature.round(2),
+        }
+    )
+
+
+COLUMNS = {"left (cm)": "reading_cm", "right (mm)": "reading_mm"}
+
+
+def test_each_ranger_is_a_table() -> None:
+    found = echocal.diagnose_many(two(), by="left (cm),right (mm)", columns=COLUMNS)
+    left, right = (found.tables[name].diagnosis for name in COLUMNS)
+    assert any("clock_error" in (one.id, *one.indistinguishable_from) for one in left.causes)
+    assert right.verdict == "nothing" or not any(one.in_model for one in right.causes)
+    alone = echocal.diagnose(two(), columns={**COLUMNS, "right (mm)": "ignore"})
+    assert left.gain.rms_before_m == pytest.approx(alone.gain.rms_before_m)
+
+
+def test_the_command_takes_both(tmp_path: Path) -> None:
+    two().to_csv(tmp_path / "robot.csv", index=False)
+    arguments = ["diagnose", str(tmp_path / "robot.csv"), "--by", "left (cm),right (mm)"]
+    for column, request in COLUMNS.items():
+        arguments += ["--column", f"{column}={request}"]
+    done = CliRunner().invoke(app, arguments)
+    assert done.exit_code == 0, done.output
+    assert "left (cm)" in done.output
+
+
+def test_two_that_may_be_the_reading_are_told() -> None:
+    table = two().rename(columns={"left (cm)": "sonar1 (cm)", "right (mm)": "sonar2 (mm)"})
+    with pytest.raises(echocal.DataError) as refused:
+        echocal.diagnose(table)
+    assert "sonar1" in str(refused.value)
+    read = echocal.read_observations(table.assign(echo_us=2e4 * table["distance_m"] / 3.43))
+    assert not any("by=" in note for note in read.notes)
+
+
+@pytest.mark.parametrize(
+    ("columns", "says"),
+    [
+        ({"left (cm)": "reading_cm", "right (mm)": "temperature_C"}, "say what 'right \\(mm\\)' holds"),
+        ({"left (cm)": "reading_cm"}, "say what 'right \\(mm\\)' holds"),
+    ],
+)
+def test_a_column_that_is_no_ranger_is_refused(columns: dict[str, str], says: str) -> None:
+    with pytest.raises(echocal.UsageError, match=says):
+        echocal.diagnose_many(two(), by="left (cm),right (mm)", columns=columns)
