@@ -72,7 +72,7 @@ def command(
     save_certificate(found, out, identification, made)
     write_json(found.budget.to_dict(), json)
     if not quiet and json != "-":
-        Console(soft_wrap=True).print(f"{found.decision}: {found.statement}\nwrote {out}", markup=False)
+        Console(soft_wrap=True).print(f"{found.decision}: {found.statement}", markup=False)
 
 
 def _origin(model: Model) -> dict[str, str]:
