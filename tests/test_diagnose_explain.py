@@ -34,7 +34,7 @@ def diagnosis() -> echocal.Diagnosis:
         ((replace(EFFECT, probability=0.6), SLIP), "no cause that shifts the readings. They name"),
         (
             (replace(EFFECT, probability=0.85), SLIP),
-            "The model has clock_error (or oblique_target) (probability 0.85, a name needs 0.9), which may act",
+            "has clock_error (or oblique_target) (probability 0.85, a name needs 0.9), which may act",
         ),
     ],
 )

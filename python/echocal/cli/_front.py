@@ -178,7 +178,7 @@ def _settled(log: Path, known: _Answers, yes: bool, console: Console) -> Inspect
             _accept(found, known)
         else:
             settle(_about_guesses(found), lambda: _confirm(found, known))
-    if not _has(found, known, "temperature") and found.refusal and not known.reading.reading_speed:
+    if not _has(found, known, "temperature"):
         settle(_TEMPERATURE, lambda: _ask_temperature(known))
     stated = known.elsewhere or known.constant_distance or known.reference_distance is not None
     if not stated and not _has(found, known, "reference_distance"):

@@ -12,7 +12,7 @@
  *
  * Assumed values of the conditions that the device does not measure:
  *   relative_humidity 0: up to 135.9 mm if it is anywhere in 0 .. 1
- *   pressure 101325 Pa: up to -0.0 mm if it is anywhere in 80000 .. 106000 Pa
+ *   pressure 101325 Pa: up to 0.0 mm if it is anywhere in 80000 .. 106000 Pa
  *   co2_mole_fraction 0.0004: up to 1.4 mm if it is anywhere in 0.0003 .. 0.002
  *
  * Expanded uncertainty of an output (95 %, 1.96 standard uncertainties, JCGM 100:2008), at 20 degC or the nearest
