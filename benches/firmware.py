@@ -24,6 +24,11 @@ from echocal.silicon import Generated
 
 DRY = {"relative_humidity": 0.0, "co2_mole_fraction": 0.0}
 DS18B20 = (0.0625, -20.0, 60.0)
+AIR: dict[str, dict[str, Any]] = {
+    "dry": {"assume": DRY},
+    "50 %": {"assume": DRY | {"relative_humidity": 0.5}},
+    "measured": {"humidity": (0.01, 0.0, 1.0), "assume": {"co2_mole_fraction": 0.0}},
+}
 REACH = 4.0  # m
 ECHOES = np.arange(500, 25_001, 500)  # us; what every function accepts
 OURS = [  # core, target, what is saved, options, bound [m]
@@ -37,6 +42,12 @@ OURS = [  # core, target, what is saved, options, bound [m]
     ("cortex-m4f", "cortex-m4f", "size", "-Os", 0.1e-3),
     ("rv32", "rv32", "size", "-Os", 0.1e-3),
     ("rv32e", "rv32e", "size", "-Os", 0.1e-3),
+]
+BAKED = [  # humidity 50 %, assumed
+    ("avr", "avr", "size", "-Os", 0.1e-3),
+    ("avr", "avr", "size", "-Os", 0.06e-3),
+    ("avr", "avr", "speed", "-Os", 0.1e-3),
+    ("cortex-m0", "cortex-m0", "size", "-Os", 0.1e-3),
 ]
 HUMID = [
     ("avr", "avr", "size", "-Os", 0.5e-3),
@@ -95,21 +106,19 @@ def theirs(formula: Formula, beside: Firmware, core: str) -> dict[str, Any]:
     return {"label": formula.label, **asdict(found), **errors(text, formula.humid)}
 
 
-def ours(core: str, target: str, prefer: str, options: str, bound: float, humid: bool) -> dict[str, Any]:
+def ours(core: str, target: str, prefer: str, options: str, bound: float, air: str) -> dict[str, Any]:
     """One generated function on one core."""
-    codes: dict[str, Any] = {"temperature": DS18B20, "max_error": bound, "prefer": prefer}
-    codes |= (
-        {"humidity": (0.01, 0.0, 1.0), "assume": {"co2_mole_fraction": 0.0}} if humid else {"assume": DRY}
-    )
+    codes: dict[str, Any] = {"temperature": DS18B20, "max_error": bound, "prefer": prefer} | AIR[air]
     made = firmware.generate(Model("cramer"), target, n_threads=2, **codes)
     found = silicon.measure(made, core, options)
     assert found is not None, silicon.missing(core)
     proven = {"proven_m": made.report["error_proven_m"], "form": made.report["form"]["description"]}
     return {
         "label": f"`{target}`, {prefer}, {options}, {bound * 1e3:g} mm",
+        "air": air,
         **proven,
         **asdict(found),
-        **errors(made, humid),
+        **errors(made, air == "measured"),
     }
 
 
@@ -124,8 +133,9 @@ def measure() -> dict[str, Any]:
     rows += [theirs(one, moist if one.humid else plain, "cortex-m4f") for one in fused.formulas()]
     return {
         "theirs": rows,
-        "ours": [ours(*row, humid=False) for row in OURS],
-        "humid": [ours(*row, humid=True) for row in HUMID],
+        "ours": [ours(*row, air="dry") for row in OURS],
+        "baked": [ours(*row, air="50 %") for row in BAKED],
+        "humid": [ours(*row, air="measured") for row in HUMID],
     }
 
 

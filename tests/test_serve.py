@@ -164,6 +164,7 @@ def test_a_phone_from_a_log_to_its_c(address: str, random: np.random.Generator, 
     """A log is chosen, its columns are put right, the report is read, and all files are taken away."""
     playwright = pytest.importorskip("playwright.sync_api")
     (tmp_path / "my log.csv").write_text(log(random))
+    (tmp_path / "no log.csv").write_bytes(b"")
     columns = {"SR_U": "reading_m", "Asp": "temperature_C"}
     said: list[str] = []
     asked: list[str] = []
@@ -176,6 +177,8 @@ def test_a_phone_from_a_log_to_its_c(address: str, random: np.random.Generator, 
         page.on("request", lambda request: asked.append(request.url))
         page.on("websocket", lambda opened: asked.append(opened.url.replace("ws://", "http://", 1)))
         page.goto(address)
+        page.set_input_files("input[type=file]", tmp_path / "no log.csv")
+        playwright.expect(page.get_by_role("alert")).not_to_be_empty()
         page.set_input_files("input[type=file]", tmp_path / "my log.csv")
         for place, (column, request) in enumerate(columns.items()):
             field = page.get_by_role("combobox", name=column)
@@ -183,6 +186,10 @@ def test_a_phone_from_a_log_to_its_c(address: str, random: np.random.Generator, 
             page.get_by_role("option", name=request, exact=True).click()
             page.get_by_text("as you say").nth(place).wait_for()
         playwright.expect(page.get_by_text("180 of 180 rows can be used")).to_be_visible()
+        playwright.expect(page.get_by_role("alert")).to_be_hidden()
+        page.get_by_label("speed of sound that").fill("343 bananas")
+        page.get_by_role("button", name="Diagnose").click()
+        playwright.expect(page.get_by_role("alert")).to_contain_text("343 bananas")
         page.get_by_label("speed of sound that").fill("331.4+0.6*T")
         page.evaluate(SEEN)
         page.get_by_role("button", name="Diagnose").click()

@@ -15,6 +15,8 @@ from echocal.correct.results import DISTANCE
 from echocal.diagnose import Diagnosis, diagnose
 from echocal.errors import DataError, DataWarning, UsageError
 from echocal.model import Model
+from echocal.observations.mount import is_level
+from echocal.observations.plan import read_columns
 
 try:
     from sklearn.base import BaseEstimator, RegressorMixin, TransformerMixin
@@ -123,6 +125,9 @@ class EchoCorrector(RegressorMixin, TransformerMixin, BaseEstimator):  # type: i
             raise DataError("EchoCorrector requires y to be passed, but the target y is None")
         table, y = self._table(X, y)
         begin = Model("cramer") if self.model is None else self.model
+        if levels := [n for n, own in read_columns(self.columns).items() if is_level(n, own)]:
+            message = f"'{levels[0]}' is a level, and y is a distance: give distances, mount height - level"
+            raise DataError(message)
         if _REFERENCE in table:
             message = f"X has a column '{_REFERENCE}', and y is the reference distance: leave the column out"
             raise DataError(message)

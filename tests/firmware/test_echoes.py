@@ -164,7 +164,7 @@ def test_where_warm_air_has_no_bounded_input_the_worst_is_a_real_one(tmp_path: P
     assert code[0] >= 15_000
     assert truth <= 2.6
     assert 0 < abs(int(made.outputs(*code)) * 1e-6 - truth) <= made.report["error_proven_m"] <= 0.5e-3
-    assert f"\n{code[0]},{code[1]},{int(made.outputs(*code))}\n" in made.files["echocal_golden.csv"]
+    assert f"\n{code[0]},{code[1]},{int(made.outputs(*code))},0\n" in made.files["echocal_golden.csv"]
     assert answers(build(made, tmp_path), [code]) == [int(made.outputs(*code))]
 
 

@@ -113,7 +113,7 @@ pub fn emit(
     let reach = reach::reach(design, device);
     let package = Package::parse(&provenance.package)?;
     let (vectors, count) = selftest::columns(design, device);
-    let outputs = format!("{:08x}", design.proof.hash);
+    let outputs = format!("{:016x}", design.proof.hash);
     let context = context! {
         library => library(provenance),
         library_version => format!("{}+{outputs}", provenance.version),

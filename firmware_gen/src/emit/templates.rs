@@ -97,9 +97,15 @@ fn environment(own: &str) -> Result<Environment<'static>, Error> {
     environment.add_filter("comment", comment);
     environment.add_filter("docstring", docstring);
     // Lengths [m]: in mm, up to three places; in m, down and up to whole millimeters.
-    environment.add_filter("mm_up", |length: f64| (length * 1e6 - 1e-6).ceil() / 1e3);
-    environment.add_filter("m_down", |length: f64| (length * 1e3 + 1e-6).floor() / 1e3);
-    environment.add_filter("m_up", |length: f64| (length * 1e3 - 1e-6).ceil() / 1e3);
+    environment.add_filter("mm_up", |length: f64| {
+        length.mul_add(1e6, -1e-6).ceil() / 1e3
+    });
+    environment.add_filter("m_down", |length: f64| {
+        length.mul_add(1e3, 1e-6).floor() / 1e3
+    });
+    environment.add_filter("m_up", |length: f64| {
+        length.mul_add(1e3, -1e-6).ceil() / 1e3
+    });
     environment.add_filter("micro", |value: f64| (value * 1e6).round() as i64);
     environment.add_filter("pico", |value: f64| (value * 1e12).round() as i64);
     for (name, text) in TEMPLATES.iter().chain(&[("package/MIT", MIT)]) {

@@ -23,7 +23,7 @@ pub struct Omission {
 
 /// A length \[m\] in mm to one place, rounded up: what is stated must hold.
 fn up(length: f64) -> f64 {
-    (length * 1e4 - 1e-9).ceil() / 10.0
+    length.mul_add(1e4, -1e-9).ceil().abs() / 10.0
 }
 
 /// A number with its unit, which a pure number has not.

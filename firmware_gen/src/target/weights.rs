@@ -48,7 +48,7 @@ pub(super) const AVR: Weights = [
     (274, 729),   // products of 32 bits
     (220, 400),   // products of 32 bits by a constant below 2048
     (1051, 3283), // products of 64 bits
-    (10, 16),     // doublings
+    (12, 40),     // doublings
     (10, 10),     // shifts by whole words
     (43, 23),     // middle bytes of a product
     (58, 32),     // shifts by whole bytes

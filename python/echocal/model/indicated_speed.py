@@ -2,7 +2,10 @@
 
 from echocal.model.composition import Model
 
-__all__ = ["speed_of"]
+__all__ = ["INDICATION_SPEED", "indication_law", "speed_of"]
+
+INDICATION_SPEED = "indication_speed"
+"""What a model keeps of a base that is a fixed speed: its effects count from the readings of that device."""
 
 
 def speed_of(model: Model, stated: str | float | None = None) -> str:
@@ -12,3 +15,9 @@ def speed_of(model: Model, stated: str | float | None = None) -> str:
     """
     kept = model.provenance.get("reading_speed")
     return str(stated or "") or (kept if isinstance(kept, str) and kept else model.law)
+
+
+def indication_law(model: Model) -> str:
+    """The law, or speed, of the indication that the effects of a model count from."""
+    kept = model.provenance.get(INDICATION_SPEED)
+    return kept if isinstance(kept, str) and kept else model.law

@@ -6,6 +6,7 @@ from numpy.typing import NDArray
 from echocal.errors import DataError
 from echocal.keywords import keyword
 from echocal.model import Model, Smooth
+from echocal.model.indicated_speed import indication_law
 from echocal.model.shape import DISTANCE
 from echocal.observations.table import Observations
 
@@ -36,7 +37,7 @@ def corrected_distance(observations: Observations, model: Model) -> Column:
     DataError
         If the model needs a condition that the table does not have.
     """
-    indication = base_indication(observations, model.law)
+    indication = base_indication(observations, indication_law(model))
     try:
         distance = np.asarray(
             model.correct(indication, **_conditions(observations, model), **_extra(observations, model))

@@ -76,6 +76,9 @@ class Page:
         except EchocalError as error:
             self._say(str(error))
             return False
+        except Exception:
+            self._say("This is a fault of echocal. The terminal that serves the page says more.")
+            raise
         return True
 
     def _say(self, text: str) -> None:

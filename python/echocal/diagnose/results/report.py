@@ -39,6 +39,7 @@ from echocal.diagnose.validation.validate import Validation
 from echocal.diagnose.verdict import credible_set, verdict
 from echocal.errors import DomainWarning
 from echocal.model import Model
+from echocal.model.indicated_speed import INDICATION_SPEED
 from echocal.observations import Observations
 from echocal.observations.mount import HEIGHT_FITTED, MOUNT_HEIGHT
 from echocal.registry import find_effect
@@ -69,6 +70,8 @@ def report(
     causes = _causes(case, inference.reduced, ranking, selection, validation, joint, word)
     causes = tuple(replace(cause, matters=matters.told(cause)) for cause in causes)
     origin = {**validation.model.provenance, **_origin(causes, word)}
+    if case.base.device_speed is not None:
+        origin[INDICATION_SPEED] = case.base.reading_speed
     if observations.reading_speed:
         origin["reading_speed"] = observations.reading_speed
     if observations.mount_height is not None:

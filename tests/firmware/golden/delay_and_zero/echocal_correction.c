@@ -12,18 +12,18 @@ int32_t echocal_distance_um(uint16_t echo_us, int16_t temperature_code)
     if (((echo_us - 118U) > 24970U) || (temperature_code < -40) || (temperature_code > 120)) {
         return ECHOCAL_OUT_OF_RANGE;
     }
-    /* temperature code minus the code of -20 degC */
-    const uint16_t temperature_index = (uint16_t)((uint16_t)temperature_code + 40U);
+    /* temperature code minus the code of -21.5 degC */
+    const uint16_t index = (uint16_t)((uint16_t)temperature_code + 43U);
     /* temperature index, scaled */
-    const uint16_t scaled = (uint16_t)(temperature_index * 45U);
+    const uint16_t scaled = (uint16_t)(index * 45U);
     /* intermediate value, before a type conversion */
-    const uint16_t exact = (uint16_t)(61258U - scaled);
+    const uint16_t exact = (uint16_t)(scaled + 4023U);
     /* of degree 2 in the temperature index */
-    const uint16_t parabola = (uint16_t)((uint16_t)(((uint32_t)scaled * (uint32_t)exact) >> 16) + 15640U);
+    const uint16_t parabola = (uint16_t)((uint16_t)(((uint32_t)scaled * (uint32_t)exact) >> 16) + 61727U);
     /* of degree 2 in the temperature index */
-    const uint16_t second_factor = (uint16_t)(((uint32_t)scaled + 77360U) - (uint32_t)parabola);
+    const uint16_t second_factor = (uint16_t)(((uint32_t)scaled + 77241U) - (uint32_t)parabola);
     /* half the speed of sound [2^-8 um per echo code] */
-    const uint16_t speed = (uint16_t)((uint16_t)(((uint32_t)parabola * (uint32_t)second_factor) >> 16) + 26098U);
+    const uint16_t speed = (uint16_t)((uint16_t)(((uint32_t)parabola * (uint32_t)second_factor) >> 16) + 26093U);
     /* echo time minus the delay [echo codes] */
     const uint16_t flight = (uint16_t)(echo_us - 31U);
     /* distance [um], too small by 4000 */

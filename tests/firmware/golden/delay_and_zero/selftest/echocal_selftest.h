@@ -16,7 +16,7 @@ extern "C" {
 #endif
 
 /** Return value of echocal_output_hash() if every output is as proven. */
-#define ECHOCAL_OUTPUT_HASH 0x05A82BFACE7BC0F8ULL
+#define ECHOCAL_OUTPUT_HASH 0x1A6AA41761CEA99BULL
 
 /**
  * @brief Compare 27 outputs and statuses with their proven values. Inputs out of range are included.
