@@ -341,7 +341,7 @@ def test_an_index_names_the_models_of_a_folder(run: Run, tmp_path: Path, random:
     rows = [{"id": name, **row} for row in log(random, 3) for name in ("index", "tank/7", "8")]
     (tmp_path / "log.csv").write_text(csv(rows))
     words = ["log.csv", "--models", "models", "--by", "id", "--once", "-o", "out.jsonl", "--json", "-"]
-    assert run("watch", *words)[1] == "9 rows, 3 corrected; 0 changes told\n"
+    assert run("watch", *words)[1] == "9 rows, 3 corrected; 0 changes told\nwrote out.jsonl\n"
     status = [row["status"] for row in lines(tmp_path / "out.jsonl")[:3]]
     assert status == ["no model for sensor index", "", "no model for sensor 8"]
 
