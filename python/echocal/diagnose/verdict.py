@@ -18,6 +18,8 @@ def verdict(
     validation: Validation,
     joint: Joint,
     left: Remainder | None = None,
+    *,
+    moving: bool = False,
 ) -> Verdict:
     """Choose the verdict.
 
@@ -26,13 +28,13 @@ def verdict(
     claim is in doubt, or if claims were dropped because their model is not, or not certainly, better than
     the base on rows that its choice has not seen. An open shift is never
     ``nothing``, even if every claim is refuted. Neither is an error that recorded columns, or rows that take
-    turns, can lower: `left` says so.
+    turns, can lower: `left` says so. Where the target is `moving`, no noise is a name for that.
     """
     named = ranking.settings.claims.named
     doubts = validation.doubts
     if any(claim.probability >= named and claim.cause not in doubts for claim in validation.kept):
         return "named"
-    if left is not None and left.turns:
+    if moving or (left is not None and left.turns):
         return "unknown"
     shifted = not validation.kept and _shifted(ranking, selection)
     is_open = bool(doubts or validation.refuted or shifted)

@@ -63,7 +63,7 @@ def report(
     matters: Matters,
 ) -> Diagnosis:
     """Put the results together."""
-    word = "unknown" if case.moving else verdict(ranking, selection, validation, joint, left)
+    word = verdict(ranking, selection, validation, joint, left, moving=bool(case.moving))
     term, noise = selection.term, selection.noise
     steps = steps_of(case.table, observations)
     fates = Fates.of(case.table, judge.held)
