@@ -1,6 +1,6 @@
 //! Choosing the constants: the real ones from a minimax fit, then a descent over integers that looks at every code.
 
-use super::{Adapted, BITS, Signed};
+use super::constants::{Adapted, BITS, Signed};
 use crate::form::contract::Fit;
 use crate::form::steps::INDEX_STARTS as BEFORE;
 use crate::minimax::{Points, minimax};
