@@ -227,6 +227,7 @@ impl Mul for Jet {
 
 impl Div for Jet {
     type Output = Self;
+    #[allow(clippy::suspicious_arithmetic_impl)] // the inverse has the derivatives
     fn div(self, other: Self) -> Self {
         self * other.inverse()
     }

@@ -1,6 +1,6 @@
 //! Choosing the constants: the real ones from a minimax fit, then a descent over integers that looks at every code.
 
-use super::{Adapted, BITS, Signed};
+use super::constants::{Adapted, BITS, Signed};
 use crate::form::contract::Fit;
 use crate::form::steps::INDEX_STARTS as BEFORE;
 use crate::minimax::{Points, minimax};
@@ -188,7 +188,7 @@ impl Adapted {
         let (k, j) = (twice as f64, slant as f64);
         let sign = power(4).signum();
         // y = b + (x^2 + a x) / unit; c + sign * y * (d + k y + j x) / unit.
-        let a = 0.5 * (power(3) * sign * unit - j / unit) * unit * unit / k;
+        let a = 0.5 * (power(3) * sign).mul_add(unit, -j / unit) * unit * unit / k;
         let (square, straight) = (power(2) * sign * unit, power(1) * sign * unit);
         let bent = k * a * a / unit / unit + j * a / unit;
         let b = (a.mul_add(-square, straight) + a * bent) / j;

@@ -4,42 +4,17 @@
 //! With `x = multiplier * u` and `u` counted from the coldest code, `y = b + x * (x + a)` is a parabola, and
 //! `c + y * (y + x + d)` is of degree 4. Every number is natural and of 16 bits, every product loses its lower 16 bits.
 
+mod constants;
 mod fitting;
 
-use super::contract::{Fit, Form, center};
+use super::contract::{Fit, Form};
 use super::steps::temperature_index_from;
 use crate::ir::{Builder, Value};
+use constants::{Adapted, BITS, Signed};
 use fitting::{SHAPES, shapes, solve};
 
 /// Name of the form.
 pub(super) const NAME: &str = "adapted";
-
-/// Binary places that a product loses: two bytes, so that no bits are shifted.
-const BITS: u32 = 16;
-
-/// `constant + sign * value`.
-#[derive(Clone, Copy, Debug)]
-struct Signed {
-    constant: i64,
-    sign: i64,
-}
-
-impl Signed {
-    const fn opposite(self) -> Self {
-        Self {
-            constant: -self.constant,
-            sign: -self.sign,
-        }
-    }
-
-    const fn of(self, value: i64) -> i64 {
-        self.constant + self.sign * value
-    }
-
-    fn build(self, builder: &mut Builder<'_>, value: Value) -> Value {
-        sum(builder, self.constant, &[(self.sign, value)])
-    }
-}
 
 /// `constant` plus multiples of values, what is subtracted last.
 fn sum(builder: &mut Builder<'_>, constant: i64, terms: &[(i64, Value)]) -> Value {
@@ -75,25 +50,6 @@ fn sum(builder: &mut Builder<'_>, constant: i64, terms: &[(i64, Value)]) -> Valu
     sum
 }
 
-/// A polynomial.
-#[derive(Clone, Debug)]
-struct Adapted {
-    /// The code that `u` is counted from lies so far below the coldest.
-    before: i64,
-    multiplier: i64,
-    /// `x + a`, or `a - x`.
-    line: Signed,
-    /// `y`.
-    parabola: Signed,
-    /// The constant, and the factors of `y` and `x`, of the second factor.
-    second: (i64, i64, i64),
-    /// The value of degree 4.
-    quartic: Signed,
-    /// The constant of degree 5, whose `x` has the value of degree 4 for a factor.
-    base: Option<Signed>,
-    floor: f64,
-}
-
 pub(super) fn propose(fit: &Fit<'_>) -> Vec<Box<dyn Form>> {
     let codes = fit.target.len();
     if fit.core.least_bits >= 32 || codes < 8 {
@@ -106,83 +62,6 @@ pub(super) fn propose(fit: &Fit<'_>) -> Vec<Box<dyn Form>> {
         found.extend(made.take(1).map(|(_, form)| Box::new(form) as _));
     }
     found
-}
-
-impl Adapted {
-    /// The same with its signs turned so that its numbers are natural in the middle of the codes.
-    fn turned(mut self, middle: i64) -> Self {
-        if self.steps(middle)[1] < 0 {
-            self.line = self.line.opposite();
-            self.parabola.sign = -self.parabola.sign;
-        }
-        if self.steps(middle)[2] < 0 {
-            self.parabola = self.parabola.opposite();
-            self.second.1 = -self.second.1;
-            self.quartic.sign = -self.quartic.sign;
-        }
-        if self.steps(middle)[3] < 0 {
-            let (constant, twice, slant) = self.second;
-            self.second = (-constant, -twice, -slant);
-            self.quartic.sign = -self.quartic.sign;
-        }
-        self
-    }
-
-    /// Whether every number is natural and of 16 bits.
-    fn is_natural(&self, last: i64) -> bool {
-        (0..=last).all(|u| {
-            self.steps(u)
-                .iter()
-                .all(|value| (0..=65_535).contains(value))
-        })
-    }
-
-    /// `x`, the line, the parabola, the second factor, the quartic.
-    fn steps(&self, u: i64) -> [i64; 5] {
-        let x = self.multiplier * (u + self.before);
-        let line = self.line.of(x);
-        let y = self.parabola.of((x * line) >> BITS);
-        let (constant, twice, slant) = self.second;
-        let second = constant + twice * y + slant * x;
-        [x, line, y, second, self.quartic.of((y * second) >> BITS)]
-    }
-
-    fn at(&self, u: i64) -> i64 {
-        let [x, .., quartic] = self.steps(u);
-        self.base
-            .map_or(quartic, |base| base.of((x * quartic) >> BITS))
-    }
-
-    /// The largest error \[unit\], the last constant set to what suits the others best.
-    fn settle(&mut self, fit: &Fit<'_>) -> f64 {
-        let codes = 0..fit.target.len() as i64;
-        self.set_last(0);
-        let parts: Vec<i64> = codes.map(|u| self.at(u)).collect();
-        let settled: Vec<f64> = parts.iter().map(|part| *part as f64).collect();
-        let constant = center(fit, &settled);
-        self.set_last(constant);
-        let given: Vec<i64> = parts.iter().map(|part| part + constant).collect();
-        fit.error(&given)
-    }
-
-    const fn degree(&self) -> usize {
-        if self.base.is_some() { 5 } else { 4 }
-    }
-
-    fn set_last(&mut self, constant: i64) {
-        match &mut self.base {
-            Some(base) => base.constant = constant,
-            None => self.quartic.constant = constant,
-        }
-    }
-
-    /// Every constant but the last.
-    fn change(&mut self, by: [i64; 4]) {
-        self.line.constant += by[0];
-        self.parabola.constant += by[1];
-        self.second.0 += by[2];
-        self.quartic.constant += by[3];
-    }
 }
 
 impl Form for Adapted {
@@ -262,5 +141,11 @@ impl Form for Adapted {
 
     fn duplicate(&self) -> Box<dyn Form> {
         Box::new(self.clone())
+    }
+}
+
+impl Signed {
+    fn build(self, builder: &mut Builder<'_>, value: Value) -> Value {
+        sum(builder, self.constant, &[(self.sign, value)])
     }
 }
