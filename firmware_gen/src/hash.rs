@@ -255,7 +255,7 @@ mod tests {
         let base = to(BASE, 122);
         let order = group / 122;
         assert_eq!(to(base, order), 1);
-        let smaller = primes.iter().filter(|prime| order % **prime == 0);
+        let smaller = primes.iter().filter(|prime| order.is_multiple_of(**prime));
         for prime in smaller {
             assert_ne!(to(base, order / prime), 1);
         }

@@ -16,6 +16,11 @@ use crate::border::{Column, same_length};
 use crate::errors::raise;
 use crate::model::CoreModel;
 
+/// Outputs of rows \[um\].
+type Outputs<'py> = Bound<'py, PyArray1<i32>>;
+/// Statuses of rows.
+type Statuses<'py> = Bound<'py, PyArray1<u8>>;
+
 /// Path and text of each file.
 type Files = Vec<(String, String)>;
 
@@ -60,7 +65,7 @@ impl CoreFirmware {
         &self,
         py: Python<'py>,
         codes: Vec<Column<'py, i64>>,
-    ) -> PyResult<(Bound<'py, PyArray1<i32>>, Bound<'py, PyArray1<u8>>)> {
+    ) -> PyResult<(Outputs<'py>, Statuses<'py>)> {
         let names: Vec<&str> = self.device.axes().map(|axis| &*axis.name).collect();
         if codes.len() != names.len() {
             let (takes, got) = (names.len(), codes.len());
