@@ -31,3 +31,14 @@ def test_the_model_corrects_the_table_of_its_diagnosis(recorded: str, how: str, 
     error = np.asarray(corrected.table["corrected_distance_m"]) - distance
     assert abs(error.mean()) < 5e-4
     assert error.std() < 1.5e-3
+
+
+def test_the_budget_of_such_a_model_is_that_of_its_readings() -> None:
+    """The indication of the device grows with its own speed: at 0 degC that of the law is 3.5 % less."""
+    model = echocal.Model("linear").with_provenance({"indication_speed": "343"})
+    table = {"echo_us": [11_000.0, 12_000.0], "temperature_C": [0.0, 0.0]}
+    found = echocal.budget(model, table, uncertainties={"echo_us": 2.0}, trials=0)
+    entry = next(one for one in found.entries if one.quantity == "echo_time")
+    more = echocal.correct({**table, "echo_us": [11_001.0, 12_001.0]}, model).table["corrected_distance_m"]
+    moved = np.asarray(more) - np.asarray(echocal.correct(table, model).table["corrected_distance_m"])
+    np.testing.assert_allclose(entry.sensitivity, moved / 1e-6, rtol=1e-6)

@@ -16,6 +16,7 @@ from echocal.budget.sources import ECHOES, LAW, TAPE, Source
 from echocal.budget.stated import Uncertainties
 from echocal.errors import DataError, DomainWarning
 from echocal.model import Model
+from echocal.model.indicated_speed import indication_law
 from echocal.model.shape import is_extra
 from echocal.model.uncertainty import parts
 from echocal.observations import Observations
@@ -266,7 +267,7 @@ def _of_source(
             return []
         bare = {name: own for name, own in given.items() if not is_extra(name)}
         slope = model.without_shape().jacobian(distance, **bare)[:, 0]
-        sensitivity = base_indication(observations, model.law) / values / slope
+        sensitivity = base_indication(observations, indication_law(model)) / values / slope
         return [entry(source.quantity, source.standard_uncertainty(values), unit, sensitivity)]
     if source.quantity == TAPE:
         at = distance if observations.reference_distance is None else observations.reference_distance
