@@ -382,3 +382,11 @@ def test_the_command(tmp_path: Path) -> None:
     log.write_text("echo_us,temperature_C\n6000,20\n")
     assert run(app, ["budget", str(log), "--law", LAW, "--uncertainty", "timer_us=4"]).exit_code == 0
     assert run(app, ["budget", str(model), str(log), "--distance", "1"]).exit_code != 0
+
+
+def test_nothing_uncertain_has_no_shares() -> None:
+    done = CliRunner().invoke(
+        app, ["budget", "--law", "linear", "--distance", "1", "--uncertainty", "law_ppm=0"]
+    )
+    assert (done.exit_code, "nan" in done.output) == (0, False), done.output
+    assert "0.0 %" in done.output

@@ -15,7 +15,8 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from echocal.cli import app
+from echocal.cli import _front, app
+from echocal.errors import UsageError
 
 Run = Callable[..., tuple[int, str]]
 LABELS = ["what is wrong", "by how much", "how sure", "written", "what next"]
@@ -203,3 +204,28 @@ def test_every_command_says_what_it_wrote(run: Run, random: np.random.Generator,
     assert said.count(file) >= 1
     assert Path(file).is_file()
     assert not words[0].startswith("c") or run(*words, "-q") == (0, "")
+
+
+def test_a_folder_that_cannot_be_made_is_told_before_the_diagnosis(
+    run: Run, random: np.random.Generator, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refuse(*_: object, **__: object) -> None:
+        raise FileNotFoundError(2, "No such file or directory")
+
+    log(random, "bench.csv")
+    monkeypatch.setattr(Path, "mkdir", refuse)  # as in /proc, where a superuser seems to be allowed
+    monkeypatch.setattr("echocal.cli._front.diagnose", lambda *_, **__: pytest.fail("diagnosed first"))
+    code, said = run("bench.csv", "--out", "made")
+    assert (code, "made cannot be written" in said) == (2, True), said
+
+
+def test_a_word_is_no_distance() -> None:
+    with pytest.raises(UsageError, match="'d' is no distance: type a number of meters"):
+        _front._refuse_answer("d")
+
+
+def test_a_file_with_a_dash_is_named_in_its_folder(run: Run, random: np.random.Generator) -> None:
+    log(random, "-dash.csv")
+    code, said = run("./-dash.csv")
+    assert (code, "echocal diagnose ./-dash.csv" in said) == (0, True), said
+    assert " -dash.csv" not in said

@@ -5,6 +5,9 @@ from pathlib import Path
 
 import pytest
 
+from echocal.cli import _fleet, _pool
+from echocal.errors import UsageError
+
 EXAMPLES = Path(__file__).parents[1] / "examples"
 TABLE, MODEL = str(EXAMPLES / "study_table2.csv"), str(EXAMPLES / "tank_model.json")
 Run = Callable[..., tuple[int, str]]
@@ -74,3 +77,29 @@ def test_endings_are_known_before_a_sweep_is_written(out: str, plot: str, run: R
     code, told = run("sweep", "--temperature", "0:50:2", "-o", out, "--plot", plot)
     assert (code, told.count("\n")) == (2, 1)
     assert list(Path().iterdir()) == []
+
+
+@pytest.mark.parametrize("page", ["page.pdf", "page", "-"])
+def test_a_page_is_html(page: str, run: Run) -> None:
+    for name in ("calibrate", "diagnose", "firmware", "study", "verify"):
+        code, told = run(*COMMANDS[name], "--report", page)
+        assert (code, told.count("\n")) == (2, 1)
+        assert "ends in .html" in told
+    assert list(Path().iterdir()) == []
+
+
+def test_each_option_of_one_table_has_a_way_out(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Every option that the command refuses for several tables, and for a fleet."""
+    for module, words in ((_pool, (TABLE,)), (_fleet, ("-o", "verdicts.csv"))):
+        given: dict[str, object] = {}
+        with monkeypatch.context() as patched:
+            patched.setattr(module, "refuse_options", given.update)
+            run("diagnose", TABLE, *words)
+        assert {"--placements", "--matters-mm", "--rows"} <= {*given}
+        for option in given:
+            with pytest.raises(UsageError, match=f"{option} is for one table, .*; [a-z-]+ "):
+                module.refuse_options({option: True})
+        for option in ("--placements", "--matters-mm"):
+            code, told = run("diagnose", TABLE, *words, option, "0")
+            assert (code, told.count("\n")) == (2, 1)
+            assert f"{option} is for one table" in told

@@ -160,3 +160,22 @@ def test_the_command_takes_placements(tmp_path: Any) -> None:
     assert BETWEEN in (tmp_path / "rows.csv").read_text()
     wrong = CliRunner().invoke(app, [*arguments, "0.5;1.2"])
     assert "with commas between them" in str(wrong.exception)
+
+
+def test_placements_may_be_a_text() -> None:
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        text, listed = (
+            echocal.diagnose(raw_log(2), placements=given).to_dict()
+            for given in ("0.5,1.2, 2.5,0.9", [0.5, 1.2, 2.5, 0.9])
+        )
+    assert (text["verdict"], text["causes"]) == (listed["verdict"], listed["causes"])
+
+
+@pytest.mark.parametrize(
+    ("given", "says"), [("0.5;1.2", "with commas between them"), ("50,120,250,90", "(120 cm is 1.2 m)")]
+)
+def test_a_text_that_lists_no_meters_is_refused(given: str, says: str) -> None:
+    with pytest.raises(echocal.UsageError) as refused:
+        echocal.diagnose(raw_log(2), placements=given)
+    assert says in str(refused.value)

@@ -71,3 +71,20 @@ def test_two_that_may_be_the_reading_are_told() -> None:
 def test_a_column_that_is_no_ranger_is_refused(columns: dict[str, str], says: str) -> None:
     with pytest.raises(echocal.UsageError, match=says):
         echocal.diagnose_many(two(), by="left (cm),right (mm)", columns=columns)
+
+
+def test_a_list_of_names_is_as_their_text() -> None:
+    text, listed = (
+        echocal.diagnose_many(two(), by=by, columns=COLUMNS) for by in (",".join(COLUMNS), list(COLUMNS))
+    )
+    assert list(listed.tables) == list(text.tables) == list(COLUMNS)
+    assert listed.verdict == text.verdict
+
+
+@pytest.mark.parametrize(
+    ("by", "says"), [([], "no name of a column"), ([1, 2], "no name of a column"), (["left (cm)", "x"], "'x")]
+)
+def test_a_list_that_names_no_columns_is_refused(by: list[str], says: str) -> None:
+    with pytest.raises((echocal.UsageError, echocal.DataError)) as refused:
+        echocal.diagnose_many(two(), by=by, columns=COLUMNS)
+    assert says in str(refused.value)

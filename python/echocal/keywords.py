@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from functools import partial
 from numbers import Real
+from pathlib import PurePath
 from typing import Any
 
 __all__ = ["as_here", "command_line", "keyword", "naming"]
@@ -48,7 +49,7 @@ def command_line(command: str, *words: object, **options: Any) -> str:
     >>> command_line("inspect", "my log.csv", write="table.csv", sheet=None, force=True)
     "echocal inspect 'my log.csv' --write table.csv --force"
     """
-    parts = ["echocal", *command.split(), *map(str, words)]
+    parts = ["echocal", *command.split(), *map(_word, words)]
     for name, given in options.items():
         for one in given if isinstance(given, list) else [given]:
             text = _plain(one)
@@ -82,6 +83,12 @@ def _named(flags: Mapping[str, str] | None, work: Callable[..., Any], task: Any)
 
 def _flag(name: str) -> str:
     return f"--{name.replace('_', '-')}"
+
+
+def _word(word: object) -> str:
+    """A word that is no option: a file whose name begins with a dash is named in its folder."""
+    text = str(word)
+    return f"./{text}" if isinstance(word, PurePath) and text[:1] == "-" != text else text
 
 
 def _python(value: Any) -> str:

@@ -115,10 +115,13 @@ class Itemized:
 
     @property
     def shares(self) -> Column:
-        """Part of each entry in the variance; they add up to 1, and a correlated one may be negative."""
+        """Part of each entry in the variance; they add up to 1, and a correlated one may be negative.
+
+        All are 0 where no entry is uncertain.
+        """
         found = self.products
-        with np.errstate(invalid="ignore"):
-            return np.asarray(found / found.sum(axis=-1, keepdims=True))
+        total = found.sum(axis=-1, keepdims=True)
+        return np.asarray(found / np.where(total == 0.0, 1.0, total))
 
     @property
     def degrees_of_freedom(self) -> Column:

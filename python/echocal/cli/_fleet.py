@@ -22,6 +22,7 @@ _INSTEAD = {
     "--with-shape": "an unexplained term belongs to its table: diagnose this sensor alone",
     "--with-smooth": "a smooth correction belongs to its table: diagnose this sensor alone",
     "--rows": "diagnose a sensor alone for its rows",
+    "--placements": 'give the log a column with the distances: --column "NAME=distance_m"',
     "--matters-mm": "diagnose a sensor alone to be told what matters",
     "--can-vary": "diagnose a sensor alone for its next measurements",
 }

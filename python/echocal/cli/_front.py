@@ -24,11 +24,11 @@ from echocal.cli.diagnose import (
     Placements,
     ReferenceDistance,
     base_of,
-    distances_of,
 )
 from echocal.diagnose import diagnose
+from echocal.diagnose.preprocess.plateaus import distances_of
 from echocal.diagnose.preprocess.reference import refuse_distance
-from echocal.errors import DataError, DomainWarning, UsageError
+from echocal.errors import DataError, DomainWarning, UsageError, writing
 from echocal.keywords import command_line
 from echocal.observations.at import parsed
 from echocal.observations.inspection import Inspection, inspect_log
@@ -107,10 +107,13 @@ def command(
         folder=out,
         force=force,
     )
-    distances = distances_of(placements)
+    if placements is not None:
+        distances_of(placements)  # refused before a question
     known = _Answers(reading, reference_distance, constant_distance)
-    known.elsewhere = distances is not None or reading.reference is not None
+    known.elsewhere = placements is not None or reading.reference is not None
     found = _settled(source, known, yes, Console(stderr=True))
+    with writing(out):
+        out.mkdir(parents=True, exist_ok=True)
     with bar(quiet) as shown, noted(quiet, DomainWarning):
         task = shown.add_task("reading", total=None)
         diagnosis = diagnose(
@@ -118,14 +121,13 @@ def command(
             base=base_of(base),
             reference_distance=known.reference_distance,
             constant_distance=known.constant_distance,
-            placements=distances,
+            placements=placements,
             matters_mm=matters_mm,
             progress=lambda what, done, total: shown.update(
                 task, description=what, completed=done, total=total
             ),
             **known.reading.given(),
         )
-    out.mkdir(parents=True, exist_ok=True)
     said = {
         "base": None if base == "linear" else base,
         "reference_distance": known.reference_distance,
@@ -230,8 +232,16 @@ def _ask_temperature(known: _Answers) -> None:
 
 
 def _refuse_answer(distance: str) -> None:
-    if distance not in ("", _MOVED):
-        refuse_distance(float(distance))
+    if distance in ("", _MOVED):
+        return
+    try:
+        given = float(distance)
+    except ValueError:
+        message = (
+            f"'{distance}' is no distance: type a number of meters such as 1.2, or moved, or press Enter"
+        )
+        raise UsageError(message) from None
+    refuse_distance(given)
 
 
 def _ask_distance(known: _Answers) -> None:

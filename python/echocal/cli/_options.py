@@ -13,6 +13,7 @@ from typing import Annotated, Any, TypeAlias
 import typer
 
 from echocal.errors import UsageError
+from echocal.keywords import command_line
 
 __all__ = ["KNOWN", "Options", "added", "file_in_use", "from_stdin", "options_text", "toml_value"]
 __all__ += ["written_by_us"]
@@ -89,7 +90,8 @@ def options_text(log: Path, out: Path, given: Mapping[str, Any]) -> str:
     names = {"columns": "column"}
     plain = {names.get(name, name).replace("_", "-"): value for name, value in given.items()}
     tables = {name: own for name, own in plain.items() if isinstance(own, Mapping)}
-    lines = [f"{_FIRST} {log}, written by echocal; edit it, then: echocal diagnose {log} --options {out}"]
+    again = command_line("diagnose", log, options=out)
+    lines = [f"{_FIRST} {log}, written by echocal; edit it, then: {again}"]
     lines += [f"{name} = {toml_value(own)}" for name, own in plain.items() if name not in tables]
     for name, own in tables.items():
         lines += ["", f"[{name}]", *(f"{toml_value(key)} = {toml_value(one)}" for key, one in own.items())]

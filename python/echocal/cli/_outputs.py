@@ -122,6 +122,9 @@ def check_outputs(
     if folder is not None:
         _refuse_folder(folder)
     inputs = [*inputs, file_in_use()]
+    for output in outputs:
+        if output.option == "--report" and output.path is not None:
+            _refuse_page(Path(output.path))
     files = [(o, Path(o.path)) for o in outputs if o.path is not None and str(o.path) != "-"]
     for _, file in files:
         refuse_name(file)
@@ -207,6 +210,14 @@ def refuse_picture(path: Path | None) -> None:
     if path is not None and path.suffix.lower() not in (".png", ".svg", ".pdf"):
         told = f"the ending '{path.suffix}'" if path.suffix else "no ending"
         message = f"{path} has {told}; a plot is .png, .svg or .pdf"
+        raise UsageError(message)
+
+
+def _refuse_page(path: Path) -> None:
+    if path.suffix.lower() not in (".html", ".htm"):
+        message = (
+            f"--report {path} is a page for a browser: give a name that ends in .html, and print it there"
+        )
         raise UsageError(message)
 
 

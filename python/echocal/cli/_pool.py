@@ -12,7 +12,7 @@ from echocal.cli._console import Console
 from echocal.cli._outputs import Output, check_outputs, made_in, write_report
 from echocal.cli._tables import noted, write_json
 from echocal.diagnose.pooling.engine import diagnose_many
-from echocal.errors import DomainWarning, UsageError
+from echocal.errors import DomainWarning, UsageError, writing
 from echocal.model.folder import INDEX
 from echocal.model.names import index_text, named
 from echocal.outputs import replace_text
@@ -26,6 +26,7 @@ _INSTEAD = {
     "--with-smooth": "a smooth correction belongs to its table: diagnose this table alone",
     "--rows": "diagnose each table alone for its rows",
     "--hold-out-after": "the gain is measured on tables left out in turn; --until leaves out later rows",
+    "--placements": 'give each table a column with its distances: --column "NAME=distance_m"',
     "--matters-mm": "diagnose one table to be told what matters",
     "--can-vary": "diagnose one table for its next measurements",
 }
@@ -95,6 +96,9 @@ def diagnose_tables(
         folder=outputs.plots,
         force=force,
     )
+    if outputs.models is not None:
+        with writing(outputs.models):
+            outputs.models.mkdir(parents=True, exist_ok=True)
     with bar(quiet) as shown, noted(quiet, DomainWarning):
         task = shown.add_task("reading", total=None)
         pooled = diagnose_many(
@@ -105,7 +109,6 @@ def diagnose_tables(
             **request,
         )
     if outputs.models is not None:
-        outputs.models.mkdir(parents=True, exist_ok=True)
         shared = outputs.models / _SHARED
         _made_by.sign(pooled.model, "diagnose", tables[0], shared).save(shared)
         for name, model in pooled.models.items():

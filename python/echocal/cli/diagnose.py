@@ -199,8 +199,8 @@ def command(
             "--with-smooth": with_smooth,
             "--rows": rows,
             "--can-vary": can_vary or ranges,
-            "--placements": placements,
-            "--matters-mm": matters_mm,
+            "--placements": placements is not None,
+            "--matters-mm": matters_mm is not None,
         }
         used = [*_file(base), *reading.files]
         request = {
@@ -254,7 +254,7 @@ def command(
             base=base_of(base),
             reference_distance=reference_distance,
             constant_distance=constant_distance,
-            placements=distances_of(placements),
+            placements=placements,
             since=since,
             until=until,
             hold_out_after=_time(hold_out_after),
@@ -361,17 +361,6 @@ def _ranges(first: list[str] | None, more: list[str]) -> dict[str, tuple[float, 
         raise UsageError(message)
     texts = [text for joined in (*(first or ()), *more) for text in joined.split()]
     return parsed_ranges(texts) or None
-
-
-def distances_of(text: str | None) -> list[float] | None:
-    """Distances of ``0.5,1.2,2.5`` [m]."""
-    if text is None:
-        return None
-    try:
-        return [float(word) for word in text.split(",")]
-    except ValueError:
-        message = f"--placements {text}: distances in m, with commas between them: 0.5,1.2,2.5"
-        raise UsageError(message) from None
 
 
 def _time(text: str | None) -> str | float | None:

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from echocal.diagnose.pipeline import run
-from echocal.diagnose.preprocess.plateaus import placed
+from echocal.diagnose.preprocess.plateaus import distances_of, placed
 from echocal.diagnose.preprocess.presumed import presume
 from echocal.diagnose.preprocess.reading import Reading, read
 from echocal.diagnose.progress import Progress, Steps
@@ -33,7 +33,7 @@ def diagnose(
     base: str | float | Model = "linear",
     reference_distance: float | None = None,
     constant_distance: bool = False,
-    placements: Sequence[float] | None = None,
+    placements: Sequence[float] | str | None = None,
     columns: Mapping[str, str] | str | Path | None = None,
     reading_speed: str | float | None = None,
     missing: Collection[Any] | Mapping[str, Any] = (),
@@ -66,8 +66,8 @@ def diagnose(
     constant_distance : bool
         The target did not move, but its distance is not known. The level is then estimated, for
         each segment between two steps of the level.
-    placements : sequence of float, optional
-        Distances [m] of a raw log in which the target was placed several times, in their order: each plateau
+    placements : sequence of float or str, optional
+        Distances [m], or ``"0.5,1.2,2.5"``, of a raw log in which the target was placed several times, in their order: each plateau
         of the readings gets one of them. Rows between two plateaus are left out.
     columns, missing
         Passed to `echocal.read_observations`.
@@ -146,7 +146,7 @@ def diagnose(
     if placements is not None:
         if reference_distance is not None or constant_distance:
             raise UsageError("give placements, a reference distance, or constant_distance: only one of them")
-        own = placed(reading.observations, list(placements))
+        own = placed(reading.observations, distances_of(placements))
         reading = replace(reading, observations=own)
     simulated, rest = presume(request.base, reading.observations)
     read_columns = [*rest.source_names.values(), *rest.extra]

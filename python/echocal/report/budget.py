@@ -147,9 +147,10 @@ def result_text(budget: Budget, row: int) -> list[str]:
     if budget.monte_carlo is not None and len(place):
         drawn, at = budget.monte_carlo, int(place[0])
         spread = drawn.standard_uncertainty[at]
+        apart = f" ({100 * (spread / u - 1):+.1f} %)" if u > 0.0 else ""
         found.append(
-            f"Monte Carlo ({drawn.trials} draws): standard uncertainty {1e3 * spread:.3g} mm "
-            f"({100 * (spread / u - 1):+.1f} %), {100 * budget.coverage:.4g} % interval "
+            f"Monte Carlo ({drawn.trials} draws): standard uncertainty {1e3 * spread:.3g} mm"
+            f"{apart}, {100 * budget.coverage:.4g} % interval "
             f"{1e3 * drawn.low[at]:.2f} to {1e3 * drawn.high[at]:.2f} mm"
         )
     return found
@@ -173,7 +174,7 @@ def _others(budget: Budget) -> Table:
         if not np.isfinite(budget.distance[row]):
             table.add_row(str(budget.row[row]), "", "no distance", "", "")
             continue
-        largest = budget.entries[int(np.argmax(shares[row]))].words
+        largest = budget.entries[int(np.argmax(shares[row]))].words if shares[row].any() else "none"
         result = plus_minus(1e3 * budget.distance[row], 1e3 * budget.expanded_uncertainty[row])
         where = ", ".join(conditions_at(budget, row).values())
         table.add_row(str(budget.row[row]), where, result, f"{budget.coverage_factor[row]:.2f}", largest)

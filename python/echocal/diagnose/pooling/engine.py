@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -34,7 +34,7 @@ _FEWEST = 2
 def diagnose_many(
     tables: Any,
     *,
-    by: str | None = None,
+    by: str | Sequence[str] | None = None,
     base: str | float | Model = "linear",
     reference_distance: float | None = None,
     constant_distance: bool = False,
@@ -59,8 +59,9 @@ def diagnose_many(
     ----------
     tables : mapping of str to table, sequence of tables, or one table
         Tables as for `echocal.diagnose`. One table with `by`.
-    by : str, optional
-        Column of one table whose labels divide its rows: ``"sensor_id"``.
+    by : str or sequence of str, optional
+        Column of one table whose labels divide its rows: ``"sensor_id"``. Several names are rangers beside
+        each other: ``["left", "right"]`` or ``"left,right"``.
     base, reference_distance, constant_distance, columns, reading_speed, missing, since, until, seed, settings
         As for `echocal.diagnose`; the same for every table.
     progress : callable, optional

@@ -35,7 +35,7 @@ class Sources:
     by: str = ""
 
 
-def sources_of(tables: Any, by: str | None, how: Mapping[str, Any]) -> Sources:
+def sources_of(tables: Any, by: str | Sequence[str] | None, how: Mapping[str, Any]) -> Sources:
     """Tables by name: given one by one, or the rows of one table divided by a column."""
     if isinstance(tables, Sources):
         return tables
@@ -93,13 +93,17 @@ def _names(tables: Sequence[Any]) -> list[str]:
     return names
 
 
-def divided(table: Any, by: str, how: Mapping[str, Any]) -> Sources:
+def divided(table: Any, by: str | Sequence[str], how: Mapping[str, Any]) -> Sources:
     """Divide the rows of one table by the labels of a column, in the order in which they appear.
+
+    Names of several columns divide it into rangers beside each other.
 
     Raises
     ------
     DataError
         If the column is absent or has no label; the text lists the columns.
+    UsageError
+        If `by` names no column.
     """
     from echocal.observations.found import found_in, keep
     from echocal.observations.options import ReadOptions
@@ -108,12 +112,17 @@ def divided(table: Any, by: str, how: Mapping[str, Any]) -> Sources:
     if isinstance(table, Observations):
         message = "by= divides a file or a table; Observations have no such column"
         raise UsageError(message)
+    rangers = by.split(",") if isinstance(by, str) else list(by) if isinstance(by, Sequence) else []
+    if not rangers or not all(isinstance(name, str) for name in rangers):
+        message = f"{keyword('by', by)} is no name of a column, and no names"
+        raise UsageError(message)
+    listed = not isinstance(by, str) and len(rangers) > 1
+    by, rangers = by if isinstance(by, str) else ",".join(rangers), [name.strip() for name in rangers]
     options = ReadOptions(**how)
     whole = load(table, replace(options.layout, text_column=by), sheet=options.sheet)
-    rangers = [name.strip() for name in by.split(",")]
-    if by not in whole.columns and len(rangers) > 1 and {*rangers} <= {*whole.columns}:
+    if (listed or by not in whole.columns) and len(rangers) > 1 and {*rangers} <= {*whole.columns}:
         return _side_by_side(whole, by, rangers, options)
-    if by not in whole.columns:
+    if listed or by not in whole.columns:
         message = f"there is no column '{by}' to divide the table by{among(by, whole.columns)}"
         raise DataError(message)
     labels = [label_of(value) for value in whole[by].tolist()]

@@ -13,7 +13,7 @@ from echocal.keywords import keyword
 from echocal.observations import Observations
 from echocal.observations.quantiles import MAD_TO_SD
 
-__all__ = ["BETWEEN", "placed", "plateaus"]
+__all__ = ["BETWEEN", "distances_of", "placed", "plateaus"]
 
 Column = NDArray[np.float64]
 
@@ -48,6 +48,29 @@ class Plateau:
         return f"rows {self.rows[0] + 1} to {self.rows[-1] + 1} at {self.level:.3f} m"
 
 
+def distances_of(given: Sequence[float] | str) -> list[float]:
+    """Distances of placements [m], which may be a text with commas between them.
+
+    Raises
+    ------
+    UsageError
+        If the text is something else, or a distance is impossible.
+
+    Examples
+    --------
+    >>> distances_of("0.5,1.2,2.5")
+    [0.5, 1.2, 2.5]
+    """
+    try:
+        distances = [float(word) for word in given.split(",")] if isinstance(given, str) else list(given)
+    except ValueError:
+        message = f"{keyword('placements', given)}: distances in m, with commas between them: 0.5,1.2,2.5"
+        raise UsageError(message) from None
+    for distance in distances:
+        refuse_distance(distance)
+    return distances
+
+
 def placed(observations: Observations, distances: Sequence[float]) -> Observations:
     """Give each plateau of a log the distance that the user read from a ruler, in the order of the log.
 
@@ -56,12 +79,10 @@ def placed(observations: Observations, distances: Sequence[float]) -> Observatio
     Raises
     ------
     UsageError
-        If the table has reference distances already, or a distance is none.
+        If the table has reference distances already.
     DataError
         If the log has another number of plateaus, or they are not in this order.
     """
-    for distance in distances:
-        refuse_distance(distance)
     if observations.reference_distance is not None:
         column = observations.source_names.get("reference_distance", "reference_distance")
         message = (

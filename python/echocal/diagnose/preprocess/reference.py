@@ -22,7 +22,9 @@ def refuse_distance(given: Any) -> None:
     """Refuse an impossible reference distance."""
     low, high = NAMES["distance_m"][0].physical
     if given is not None and not (isinstance(given, Real) and low < float(given) <= high):
-        message = f"reference distance is {given} m; give {low:g} < distance <= {high:g}"
+        message = f"reference distance is {given} m; give {low:g} < distance <= {high:g}, in meters"
+        if isinstance(given, Real) and high < float(given) <= 100 * high:
+            message += f" ({given:g} cm is {given / 100:g} m)"
         raise UsageError(message)
 
 
