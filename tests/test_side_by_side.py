@@ -82,7 +82,8 @@ def test_a_list_of_names_is_as_their_text() -> None:
 
 
 @pytest.mark.parametrize(
-    ("by", "says"), [([], "no name of a column"), ([1, 2], "no name of a column"), (["left (cm)", "x"], "'x")]
+    ("by", "says"),
+    [([], "no name of a column"), ([1, 2], "no name of a column"), (["left (cm)", "x"], "'x'")],
 )
 def test_a_list_that_names_no_columns_is_refused(by: list[str], says: str) -> None:
     with pytest.raises((echocal.UsageError, echocal.DataError)) as refused:

@@ -122,9 +122,7 @@ def check_outputs(
     if folder is not None:
         _refuse_folder(folder)
     inputs = [*inputs, file_in_use()]
-    for output in outputs:
-        if output.option == "--report" and output.path is not None:
-            _refuse_page(Path(output.path))
+    _refuse_pages(outputs)
     files = [(o, Path(o.path)) for o in outputs if o.path is not None and str(o.path) != "-"]
     for _, file in files:
         refuse_name(file)
@@ -213,12 +211,11 @@ def refuse_picture(path: Path | None) -> None:
         raise UsageError(message)
 
 
-def _refuse_page(path: Path) -> None:
-    if path.suffix.lower() not in (".html", ".htm"):
-        message = (
-            f"--report {path} is a page for a browser: give a name that ends in .html, and print it there"
-        )
-        raise UsageError(message)
+def _refuse_pages(outputs: Iterable[Output]) -> None:
+    for path in (Path(o.path) for o in outputs if o.option == "--report" and o.path is not None):
+        if path.suffix.lower() not in (".html", ".htm"):
+            message = f"--report {path} is a page for a browser; give a name that ends in .html"
+            raise UsageError(message)
 
 
 def pass_on(text: str, target: Path | str | None) -> None:

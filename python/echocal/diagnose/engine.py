@@ -67,8 +67,8 @@ def diagnose(
         The target did not move, but its distance is not known. The level is then estimated, for
         each segment between two steps of the level.
     placements : sequence of float or str, optional
-        Distances [m], or ``"0.5,1.2,2.5"``, of a raw log in which the target was placed several times, in their order: each plateau
-        of the readings gets one of them. Rows between two plateaus are left out.
+        Distances [m], or ``"0.5,1.2,2.5"``, of a raw log in which the target was placed several times, in
+        their order: each plateau of the readings gets one of them. Rows between two plateaus are left out.
     columns, missing
         Passed to `echocal.read_observations`.
     reading_speed : str or float, optional

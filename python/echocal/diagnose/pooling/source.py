@@ -122,8 +122,9 @@ def divided(table: Any, by: str | Sequence[str], how: Mapping[str, Any]) -> Sour
     whole = load(table, replace(options.layout, text_column=by), sheet=options.sheet)
     if (listed or by not in whole.columns) and len(rangers) > 1 and {*rangers} <= {*whole.columns}:
         return _side_by_side(whole, by, rangers, options)
-    if listed or by not in whole.columns:
-        message = f"there is no column '{by}' to divide the table by{among(by, whole.columns)}"
+    absent = next((name for name in (rangers if listed else [by]) if name not in whole.columns), None)
+    if absent is not None:
+        message = f"there is no column '{absent}' to divide the table by{among(absent, whole.columns)}"
         raise DataError(message)
     labels = [label_of(value) for value in whole[by].tolist()]
     if not any(labels):
