@@ -203,3 +203,18 @@ def test_every_command_says_what_it_wrote(run: Run, random: np.random.Generator,
     assert said.count(file) >= 1
     assert Path(file).is_file()
     assert not words[0].startswith("c") or run(*words, "-q") == (0, "")
+
+
+def test_no_smaller_error_than_what_matters_is_proposed(run: Run, random: np.random.Generator) -> None:
+    log(random, "bench.csv", delay=85e-6)
+    code, said = run("bench.csv", "--matters-mm", "50")
+    assert code == 0
+    assert "good enough" in said
+    assert "a permissible error of 50 mm" in said
+    assert "--maximum-permissible-error-mm 50 " in said
+
+
+def test_help_does_not_give_linear_another_line(run: Run) -> None:
+    said = " ".join(run("diagnose", "--help")[1].split())
+    assert "linear: 331.4+0.6*T" in said
+    assert "331.3+0.606*T (linear" not in said
