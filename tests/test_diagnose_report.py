@@ -13,6 +13,7 @@ import echocal
 from echocal.charts.diagnosis import posterior_chart
 from echocal.charts.errors import distance_chart, time_chart, truth_chart
 from echocal.charts.parts import Axis, Chart, Panel, Points, Rug
+from echocal.diagnose.results.brief import brief
 from echocal.report.html import report_page
 from echocal.report.html.drawing import drawn
 
@@ -161,6 +162,43 @@ def test_it_says_how_to_make_it_again(run: Run, random: np.random.Generator) -> 
     text = Text(Path("log.html").read_text(encoding="utf-8")).seen
     assert "echocal diagnose 'my log.csv' --base 343 --quiet --report log.html" in text
     assert "echocal correct my log.csv" not in text
+
+
+def test_it_names_the_model_that_was_written_and_the_whole_command(
+    run: Run, random: np.random.Generator
+) -> None:
+    rows = table(random, np.repeat([0.5, 1.5, 3.0], ROWS // 3), 10e-3)
+    rows.rename(columns={"reading_m": "Messwert"}).to_csv("log.csv", index=False)
+    column = ("--column", "Messwert=reading_m", "--base", "343", "--quiet")
+    assert run("log.csv", *column)[0] == 0
+    assert run("diagnose", "log.csv", *column, "--save-model", "m.json", "--report", "log.html")[0] == 0
+    for page, model, reads in (
+        ("log-report.html", "log-model.json", "--options log-options.toml"),
+        ("log.html", "m.json", "--column Messwert=reading_m"),
+    ):
+        text = Text(Path(page).read_text(encoding="utf-8")).seen
+        assert f"The model is saved as {model}" in text
+        assert "--save-model model.json" not in text
+        assert f"echocal correct log.csv {reads} --model {model}" in text
+    assert run("diagnose", "log.csv", *column, "--report", "log.html")[0] == 0
+    assert "--save-model model.json" in Text(Path("log.html").read_text(encoding="utf-8")).seen
+
+
+def test_lengths_in_the_five_lines_can_be_told_apart(named: echocal.Diagnosis) -> None:
+    assert named.gain is not None
+    gain = replace(named.gain, rms_after_m=5e-12, interval_95=(10.01e-3, 10.04e-3))
+    said = brief(replace(named, gain=gain))
+    assert "with the correction below 0.001 mm" in said.size
+    assert "gains 10.01 mm to 10.04 mm" in said.sure
+
+
+def test_a_probability_in_doubt_says_of_what_it_is(named: echocal.Diagnosis) -> None:
+    doubted = replace(named.causes[0], doubt="its gain may be chance", kind="effect", in_model=True)
+    alike = ("fixed_delay", "amplitude_walk")
+    doubted = replace(doubted, indistinguishable_from=alike, probability_alone=0.9)
+    said = brief(replace(named, verdict="ambiguous", causes=(doubted,))).sure
+    assert f"by the fit alone: one of 3 causes such as {doubted.id}" in said
+    assert f"in doubt: {doubted.id}" in said
 
 
 def test_a_table_in_which_nothing_is_wrong_has_a_page_too(random: np.random.Generator) -> None:

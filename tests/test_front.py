@@ -229,3 +229,18 @@ def test_a_file_with_a_dash_is_named_in_its_folder(run: Run, random: np.random.G
     code, said = run("./-dash.csv")
     assert (code, "echocal diagnose ./-dash.csv" in said) == (0, True), said
     assert " -dash.csv" not in said
+
+
+def test_no_smaller_error_than_what_matters_is_proposed(run: Run, random: np.random.Generator) -> None:
+    log(random, "bench.csv", delay=85e-6)
+    code, said = run("bench.csv", "--matters-mm", "50")
+    assert code == 0
+    assert "good enough" in said
+    assert "a permissible error of 50 mm" in said
+    assert "--maximum-permissible-error-mm 50 " in said
+
+
+def test_help_does_not_give_linear_another_line(run: Run) -> None:
+    said = " ".join(run("diagnose", "--help")[1].split())
+    assert "linear: 331.4+0.6*T" in said
+    assert "331.3+0.606*T (linear" not in said

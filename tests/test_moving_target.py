@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import echocal
+from echocal.diagnose.results.brief import brief
 
 ROWS = 160
 row = np.arange(ROWS)
@@ -50,3 +51,35 @@ def test_a_target_that_moves_is_said_to_move(kind: str) -> None:
 def test_a_target_at_rest_is_not(kind: str) -> None:
     for seed in range(6):
         assert not any("the target moved" in note for note in diagnosed(kind, seed).notes)
+
+
+@pytest.mark.parametrize("kind", ["wanders", "approaches", "goes off", "anywhere"])
+def test_five_lines_say_that_it_moved_and_what_to_record(kind: str) -> None:
+    for seed in range(6):
+        said = brief(diagnosed(kind, seed))
+        assert said.wrong.startswith("the target moved: constant_distance=True says that it did not")
+        for way in ("distance_m", "placements", "reference"):
+            assert way in said.next
+
+
+def stated(kind: str, seed: int) -> echocal.Diagnosis:
+    rng = np.random.default_rng(seed)
+    reading = moves(kind, rng) + rng.normal(0, 2e-3, ROWS)
+    with warnings.catch_warnings(action="ignore"):
+        return echocal.diagnose(
+            {"reading_m": reading.round(3)}, at={"temperature": 20.0}, reference_distance=1.5
+        )
+
+
+@pytest.mark.parametrize("kind", ["wanders", "approaches", "anywhere", "is placed"])
+def test_one_stated_distance_that_readings_contradict_is_said(kind: str) -> None:
+    for seed in range(6):
+        said = brief(stated(kind, seed))
+        assert said.wrong.startswith("the target moved: reference_distance=1.5 says that it did not")
+        assert "nothing" not in said.next
+
+
+@pytest.mark.parametrize("kind", ["rests", "is knocked", "is in turbulence"])
+def test_one_stated_distance_of_a_target_at_rest_is_believed(kind: str) -> None:
+    for seed in range(6):
+        assert not stated(kind, seed).moved

@@ -16,8 +16,10 @@ from echocal.keywords import command_line
 from echocal.registry import find_effect
 from echocal.report.diagnosis import STYLE
 
-__all__ = ["follow_up", "print_brief", "print_commands"]
+__all__ = ["follow_up", "print_brief", "print_commands", "without_evidence"]
 
+_PERMISSIBLE_MM = 3.0  # where no larger difference matters
+_EVIDENCE = "see the evidence"
 _ROOM = 5.0  # K beyond the temperatures of the log, for which the C is made
 
 
@@ -78,12 +80,15 @@ def follow_up(diagnosis: Diagnosis, log: Path, model: Path, reading: Mapping[str
         Options of commands that read the log.
     """
     name = str(model).removesuffix("-model.json").removesuffix(".json")
-    details = {"see the evidence": command_line("diagnose", log, **reading, details=True)}
+    details = {_EVIDENCE: command_line("diagnose", log, **reading, details=True)}
     corrected = command_line("correct", log, **_of_rows(reading), model=model, out=f"{name}-corrected.csv")
-    verified = command_line("verify", log, **_of_rows(reading), maximum_permissible_error_mm=3, model=model)
+    permissible = max(_PERMISSIBLE_MM, diagnosis.matters_mm)
+    verified = command_line(
+        "verify", log, **_of_rows(reading), maximum_permissible_error_mm=permissible, model=model
+    )
     known = "distance" in diagnosis.traces.against
     if diagnosis.good_enough or diagnosis.verdict == "nothing":
-        last = {"compare each row with a permissible error of 3 mm": verified} if known else {}
+        last = {f"compare each row with a permissible error of {permissible:g} mm": verified} if known else {}
         return {**details, **last}
     if diagnosis.verdict != "named" or not diagnosis.model.effects:
         corrects = {"correct the log with what is known so far": corrected} if diagnosis.model.effects else {}
@@ -91,6 +96,11 @@ def follow_up(diagnosis: Diagnosis, log: Path, model: Path, reading: Mapping[str
     c = {"write the correction as C for a microcontroller": _firmware(diagnosis, model, f"{name}-firmware")}
     inputs = any(find_effect(id_).firmware == "needs" for id_ in diagnosis.model.effects)
     return {"correct the log": corrected, **({} if inputs else c), **details}
+
+
+def without_evidence(commands: Mapping[str, str]) -> dict[str, str]:
+    """Those of the commands that a page with the evidence needs."""
+    return {purpose: command for purpose, command in commands.items() if purpose != _EVIDENCE}
 
 
 def _firmware(diagnosis: Diagnosis, model: Path, out: str) -> str:

@@ -10,7 +10,7 @@ from typing import Annotated, Any
 import typer
 
 from echocal.cli import _made_by
-from echocal.cli._brief import follow_up, print_brief, print_commands
+from echocal.cli._brief import follow_up, print_brief, print_commands, without_evidence
 from echocal.cli._console import Console
 from echocal.cli._options import options_text, written_by_us
 from echocal.cli._outputs import Force, Output, Quiet, check_outputs, written
@@ -142,12 +142,13 @@ def command(
     _made_by.sign(diagnosis.model, "diagnose", source, model).save(model)
     from echocal.report.html import save_report
 
-    save_report(diagnosis, page, log.name, shlex.join(["echocal", *sys.argv[1:]]))
+    commands = follow_up(diagnosis, log, model, {"options": toml} if said else {})
+    made_by = shlex.join(["echocal", *sys.argv[1:]])
+    save_report(diagnosis, page, log.name, made_by, model, without_evidence(commands))
     write_json(diagnosis.to_dict(), json)
     if quiet or json == "-":
         return
     console = Console(highlight=False)
-    commands = follow_up(diagnosis, log, model, {"options": toml} if said else {})
     if details:
         print_diagnosis(diagnosis, console)
     print_brief(diagnosis, console, written(), "", f"{page}, or --details")

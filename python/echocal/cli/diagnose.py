@@ -1,12 +1,13 @@
 """``echocal diagnose``: name what the base simulation gets wrong."""
 
+from functools import partial
 from pathlib import Path
 from typing import Annotated, TypeAlias
 
 import typer
 
 from echocal.cli import _fleet, _made_by, _pool
-from echocal.cli._brief import follow_up, print_brief
+from echocal.cli._brief import follow_up, print_brief, without_evidence
 from echocal.cli._complete import bases
 from echocal.cli._console import Console
 from echocal.cli._outputs import (
@@ -42,7 +43,8 @@ from echocal.report import print_diagnosis
 Base: TypeAlias = Annotated[
     str,
     typer.Option(
-        help="linear, ideal_gas, cramer, virial, 331.3+0.606*T (linear in T), m/s, or a model file.",
+        help="A law (linear: 331.4+0.6*T; ideal_gas, cramer, virial), a line of your own such as "
+        "331.3+0.606*T, a speed in m/s, or a model file.",
         autocompletion=bases,
     ),
 ]
@@ -276,7 +278,9 @@ def command(
     if report is not None:
         from echocal.report.html import report_page
 
-        write_report(report, report_page, diagnosis, data.name)
+        uses = {} if model is None else follow_up(diagnosis, data, model, reading_words(reading))
+        page = partial(report_page, saved=model or "", commands=without_evidence(uses))
+        write_report(report, page, diagnosis, data.name)
     if rows is not None:
         replace_text(rows, csv_text(diagnosis.row_table()), newline="")
     if not quiet and json != "-":

@@ -132,7 +132,7 @@ def examined(reading: Reading, request: Request, work: Steps) -> Examined:
             table = prepare(
                 observations, base, distance, constant, settings.rows, level_steps, faults.rounding
             )
-            moving = moving_target(table, settings.rows)
+            moving = moving_target(table, settings.rows, distance)
             steps = weigh_steps(table, base, request.seed, settings, level_steps)
             table = table if steps is None else steps.kept(steps.case.folds.fit)
             folds = Folds.of(table, settings.rows)

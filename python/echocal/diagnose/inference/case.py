@@ -56,7 +56,7 @@ class Case:
     remarks : tuple of str
         Sentences for the user on what was done to the residual.
     moving : str
-        What to say where the target moved although its distance is said to be constant; else empty.
+        How the target moved although its distance is said to be constant; else empty.
     """
 
     table: Table

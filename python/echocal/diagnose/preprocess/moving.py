@@ -1,4 +1,4 @@
-"""A target that moves although its distance is said to be constant."""
+"""A target that moves although its distance is said to be constant, or to be one number."""
 
 import numpy as np
 
@@ -7,13 +7,13 @@ from echocal.diagnose.settings.rows import RowSettings
 from echocal.keywords import keyword
 from echocal.observations.quantiles import Grouped
 
-__all__ = ["moving_target"]
+__all__ = ["moving_target", "without_movement"]
 
 _CENTRAL = (0.05, 0.95)  # of the rows: a few wild ones are another matter
 _RAMP = 0.5  # of the usual step: between steps of a target at rest, readings change by far less
 
 
-def moving_target(table: Table, settings: RowSettings) -> str:
+def moving_target(table: Table, settings: RowSettings, distance: float | None = None) -> str:
     """What to say where readings change by more than air and noise can at a target at rest; empty where not.
 
     The readings of a segment, of which each has a level of its own, may differ by what the recorded
@@ -23,10 +23,11 @@ def moving_target(table: Table, settings: RowSettings) -> str:
     Parameters
     ----------
     table : Table
-        Of an unknown distance.
     settings : RowSettings
+    distance : float, optional
+        One distance that is stated for all rows [m].
     """
-    if table.reference is not None:
+    if table.reference is not None and distance is None:
         return ""
     reading, temperature = table.rows.indication, table.rows.conditions.get("temperature")
     by_segment = Grouped(table.rows.groups)
@@ -44,10 +45,18 @@ def moving_target(table: Table, settings: RowSettings) -> str:
     if still and (high - low <= _RAMP * usual or high - low <= settings.air_anyhow * level):
         return ""
     segments = "" if np.isinf(usual) else f" within the {len(steps) + 1} segments between steps"
+    stated = keyword("reference_distance", distance) if distance else keyword("constant_distance", True)
     return (
-        f"the target moved: {keyword('constant_distance', True)} says that it did not, and 90 % of the "
+        f"the target moved: {stated} says that it did not, and 90 % of the "
         f"readings differ by up to {1e3 * (high - low):.0f} mm{segments}, at about {level:.3g} m, beyond "
-        "what the recorded temperature explains. No cause of an error can be told from a movement: record "
-        f"the distance (a column distance_m, or {keyword('columns', {'NAME': 'reference_level_m'})}), or "
-        f"leave out the rows in which the target moves ({keyword('since')}, {keyword('until')})"
+        "what the recorded temperature explains"
+    )
+
+
+def without_movement() -> str:
+    """What makes a table useful whose target moves."""
+    return (
+        f"record the distance (a column distance_m, or {keyword('columns', {'NAME': 'reference_level_m'})}), "
+        f"or give the distances of the placements ({keyword('placements')}) or the log of a reference "
+        f"({keyword('reference')})"
     )

@@ -6,12 +6,15 @@ from echocal.concise import decimal
 from echocal.diagnose.catalogue import find_cause
 from echocal.diagnose.findings.parts import Cause, Gain, Unexplained
 from echocal.diagnose.findings.sentences import enumerated, parameter_text, spoken
+from echocal.diagnose.preprocess.moving import without_movement
 from echocal.diagnose.results.explain import EVEN, good_enough_text, proposal_text, rivals_of
 from echocal.diagnose.results.outcome import Outcome
 
 __all__ = ["Brief", "brief"]
 
 _SHOWN = 3  # causes in one line
+_LEAST = 1e-6  # m: no ultrasonic sensor shows less
+_MORE = 4  # digits that are tried to tell the ends of an interval apart
 _CERTAIN = 0.995  # a probability that two digits would round to one
 
 
@@ -51,6 +54,8 @@ def _wrong(diagnosis: Outcome) -> str:
     if diagnosis.good_enough:
         return f"{good_enough_text(diagnosis)}."
     spoiled = [_sentence(cause) for cause in _spoiling(diagnosis)]
+    if diagnosis.moved:
+        return " ".join([f"{diagnosis.moved}.", *map(_sentence, _named(diagnosis)), *spoiled])
     if effects := _named(diagnosis):
         more = [] if diagnosis.unexplained is None else [f"Also {_follows(diagnosis.unexplained)}"]
         return " ".join([*map(_sentence, effects), *spoiled, *more])
@@ -127,22 +132,25 @@ def _sure(diagnosis: Outcome) -> str:
         shifting = {cause.id for cause in diagnosis.causes if cause.kind != "effect"}
         none = sum(p for ids, p in diagnosis.posterior if not {*ids} - shifting)
         parts = [f"no effect {_probability(none)}"]
-    said = [f"probability: {', '.join(parts)}"] if parts else []
     doubts = [cause.id for cause in diagnosis.causes if cause.doubt and cause.matters and cause.in_model]
-    said += [f"in doubt: {enumerated(doubts)}"] if doubts else []
+    what = "probability that it acts, by the fit alone" if doubts else "probability"
+    said = [f"{what}: {', '.join(parts)}"] if parts else []
+    said += [f"other rows leave in doubt: {enumerated(doubts)}"] if doubts else []
     return "; ".join([*said, f"{_gained(diagnosis.gain)}{_rows(diagnosis)}"]) + "."
 
 
 def _gained(gain: Gain | None) -> str:
     if gain is None or not gain.held_out_rows or len(gain.ladder) == 1:
         return ""
-    low, high = map(_rms, gain.interval_95)
+    low, high = _interval(*gain.interval_95)
     return f"the correction gains {low} to {high} (95 %) on {gain.held_out_rows} {gain.judged_rows}; "
 
 
 def _next(diagnosis: Outcome) -> str:
     if diagnosis.good_enough or diagnosis.verdict == "nothing":
         return "nothing to correct."
+    if diagnosis.moved:
+        return f"{without_movement()}."
     if _named(diagnosis) and diagnosis.model.effects:
         return "correct the readings with this model."
     if diagnosis.verdict == "named" and any(cause.kind == "gross" for cause in _spoiling(diagnosis)):
@@ -172,7 +180,9 @@ def _spoiling(diagnosis: Outcome) -> list[Cause]:
 
 def _name(cause: Cause) -> str:
     alike = 1 + len(cause.indistinguishable_from)
-    return f"one of {alike} causes" if alike > 2 and (cause.probability_alone or 0.0) < EVEN else cause.id
+    if alike > 2 and (cause.probability_alone or 0.0) < EVEN:
+        return f"one of {alike} causes"
+    return f"one of {alike} causes such as {cause.id}" if cause.doubt and alike > 1 else cause.id
 
 
 def _rows(diagnosis: Outcome) -> str:
@@ -185,8 +195,16 @@ def _probability(value: float) -> str:
     return f"above {_CERTAIN}" if value >= _CERTAIN else f"{value:.2f}"
 
 
-def _rms(meters: float) -> str:
-    return f"{decimal(1e3 * meters, 2 if abs(meters) < 1e-3 else 3)} mm"
+def _rms(meters: float, more: int = 0) -> str:
+    if 0.0 < abs(meters) < _LEAST:
+        return f"below {decimal(1e3 * _LEAST)} mm"
+    return f"{decimal(1e3 * meters, more + (2 if abs(meters) < 1e-3 else 3))} mm"
+
+
+def _interval(low: float, high: float) -> tuple[str, str]:
+    """Both ends of an interval [m], with as many more digits as tell them apart."""
+    pairs = ((_rms(low, more), _rms(high, more)) for more in range(_MORE))
+    return next((pair for pair in pairs if pair[0] != pair[1]), (_rms(low), _rms(high)))
 
 
 def _base(diagnosis: Outcome) -> str:

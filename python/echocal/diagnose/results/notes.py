@@ -11,6 +11,7 @@ from echocal.diagnose.inference.case import Case
 from echocal.diagnose.inference.hypothesis import Stack
 from echocal.diagnose.inference.shortlist import MEASURE
 from echocal.diagnose.inference.visible import INVISIBLE
+from echocal.diagnose.preprocess.moving import without_movement
 from echocal.diagnose.results.doubts import doubts_about
 from echocal.diagnose.results.level_steps import LevelStep
 from echocal.diagnose.selection.claims import free_size
@@ -34,7 +35,7 @@ def notes(
     steps: Sequence[LevelStep],
 ) -> tuple[str, ...]:
     """Tension with theory, refuted claims, level steps, and what these data cannot show."""
-    said = [case.moving, *observations.notes, *case.remarks]
+    said = [_moved(case.moving), *observations.notes, *case.remarks]
     said += [_tension(case, cause, validation, stack) for cause in case.found.size_tangents]
     said += _temperature(validation)
     hidden = [cause for cause, reason in case.found.skipped.items() if reason == INVISIBLE]
@@ -70,6 +71,14 @@ def notes(
             "these data cannot separate the two"
         )
     return tuple(text for text in said if text)
+
+
+def _moved(how: str) -> str:
+    """What a movement of the target takes away, and the ways out."""
+    return how and (
+        f"{how}. No cause of an error can be told from a movement: {without_movement()}, or leave out the "
+        f"rows in which the target moves ({keyword('since')}, {keyword('until')})"
+    )
 
 
 def _reference_join(observations: Observations, validation: Validation) -> str:

@@ -66,6 +66,8 @@ class Outcome:
         if none was tried.
     remainder : Remainder or None
         What is known where the columns could lower the error by far, but nothing is claimed for it.
+    moved : str
+        How the target moved although its distance is stated to be the same in all rows; empty where not.
     matters_mm : float
         The difference of a reading from which on it matters [mm].
     matters_because : str
@@ -94,6 +96,7 @@ class Outcome:
     seconds: float = 0.0
     smooth: SmoothCorrection | None = None
     remainder: Remainder | None = None
+    moved: str = ""
     matters_mm: float = 0.0
     matters_because: str = ""
     good_enough: bool = False

@@ -105,6 +105,7 @@ def report(
         traces=replace(_traces(case, judge, validation.model), begin=_begin(observations)),
         fates=fates,
         members=members,
+        moved=case.moving,
         matters_mm=1e3 * matters.difference_m,
         matters_because=matters.because,
         good_enough=matters.good_enough(word, causes, unexplained, shown),

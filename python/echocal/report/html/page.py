@@ -2,6 +2,7 @@
 
 import json
 import shlex
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -33,7 +34,14 @@ _NEARLY_ALL = 99.0  # %, above which whole numbers do not tell shares apart
 _BESIDE = 3  # columns whose figures are shown, besides the time
 
 
-def save_report(diagnosis: Diagnosis, path: str | Path, source: str = "", made_by: str = "") -> None:
+def save_report(
+    diagnosis: Diagnosis,
+    path: str | Path,
+    source: str = "",
+    made_by: str = "",
+    saved: str | Path = "",
+    commands: Mapping[str, str] | None = None,
+) -> None:
     """Write a diagnosis as one HTML file.
 
     Parameters
@@ -44,16 +52,26 @@ def save_report(diagnosis: Diagnosis, path: str | Path, source: str = "", made_b
         Name of the table, for the title.
     made_by : str
         Command line that makes the page again.
+    saved : path
+        The file with the model; empty where it is not saved.
+    commands : mapping of str to str, optional
+        Commands that use this file, by their purpose.
 
     Raises
     ------
     UsageError
         If the file cannot be written.
     """
-    replace_text(path, report_page(diagnosis, source, made_by))
+    replace_text(path, report_page(diagnosis, source, made_by, saved, commands))
 
 
-def report_page(diagnosis: Diagnosis, source: str = "", made_by: str = "") -> str:
+def report_page(
+    diagnosis: Diagnosis,
+    source: str = "",
+    made_by: str = "",
+    saved: str | Path = "",
+    commands: Mapping[str, str] | None = None,
+) -> str:
     """A diagnosis as an HTML document that needs no other file and no network.
 
     Parameters
@@ -63,6 +81,10 @@ def report_page(diagnosis: Diagnosis, source: str = "", made_by: str = "") -> st
         Name of the table, for the title.
     made_by : str
         Command line that makes the page again.
+    saved : path
+        The file with the model; empty where it is not saved.
+    commands : mapping of str to str, optional
+        Commands that use this file, by their purpose.
 
     Returns
     -------
@@ -80,7 +102,8 @@ def report_page(diagnosis: Diagnosis, source: str = "", made_by: str = "") -> st
     True
     """
     title = source or "diagnosis"
-    return rendered("page.html.j2", "diagnose", title, made_by=made_by, **_content(diagnosis, source))
+    use = {"made_by": made_by, "saved": str(saved or ""), "commands": commands or {}}
+    return rendered("page.html.j2", "diagnose", title, **use, **_content(diagnosis, source))
 
 
 def _content(diagnosis: Diagnosis, source: str) -> dict[str, Any]:
