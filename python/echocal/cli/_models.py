@@ -9,7 +9,7 @@ import typer
 from echocal.errors import UsageError
 from echocal.model import Model
 
-__all__ = ["Effects", "Uncertain", "model_of"]
+__all__ = ["Effects", "Uncertain", "end", "model_of"]
 
 Effects: TypeAlias = Annotated[
     list[str] | None,
@@ -43,6 +43,13 @@ def model_of(law: str | None, path: Path | None, effects: Sequence[str] | None) 
         message = "give a model file or a law with effects, not both"
         raise UsageError(message)
     return Model.load(path)
+
+
+def end(decision: str) -> None:
+    """End a command with the exit code of what is decided."""
+    code = {"conforms": 0, "does not conform": 1, "undecided": 5}[decision]
+    if code:
+        raise typer.Exit(code)
 
 
 def _effect(text: str) -> tuple[str, dict[str, float]]:

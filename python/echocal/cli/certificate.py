@@ -11,7 +11,7 @@ import typer
 from echocal.budget.coverage import COVERAGE
 from echocal.cli import _made_by
 from echocal.cli._console import Console
-from echocal.cli._models import Uncertain
+from echocal.cli._models import Uncertain, end
 from echocal.cli._outputs import Force, Output, check_outputs
 from echocal.cli._tables import AS_IT_IS, Given, Json, Quiet, noted, read, reading_options, write_json
 from echocal.errors import UsageError
@@ -34,7 +34,10 @@ def command(
     force: Force = False,
     quiet: Quiet = False,
 ) -> None:
-    """Write a certificate: results with their uncertainty, the budget, and conformity with a guard band."""
+    """Write a certificate: results with their uncertainty, the budget, and conformity with a guard band.
+
+    Exit code 1: does not conform. Exit code 5: undecided.
+    """
     from echocal.report.html.certificate import certify, refuse_ending, save_certificate, sha256_of
 
     refuse_ending(out)
@@ -73,6 +76,7 @@ def command(
     write_json(found.budget.to_dict(), json)
     if not quiet and json != "-":
         Console(soft_wrap=True).print(f"{found.decision}: {found.statement}", markup=False)
+    end(found.decision)
 
 
 def _origin(model: Model) -> dict[str, str]:
