@@ -75,3 +75,24 @@ def test_verify_and_certificate_decide_alike(
     assert (verified.exit_code, certified.exit_code) == (code, code)
     assert f"verification: {decision}" in verified.output
     assert f"{decision}: Of 2 errors" in certified.output
+
+
+def test_the_height_of_a_model_is_that_of_its_levels(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("log.csv").write_text("Lvl,Stage,temperature_C\n0.6,0.6,20\n1.1,1.1,20\n")
+    echocal.Model("linear", provenance={"mount_height_m": 2.6}).save("model.json")
+    model = echocal.Model.load("model.json")
+    columns = {"Lvl": "level_m", "Stage": "reference_level_m"}
+    found = echocal.budget(model, "log.csv", columns=columns, trials=0)
+    assert found.distance == pytest.approx([2.0, 1.5])
+    assert echocal.verify("log.csv", model=model, columns=columns, **BOUND).passed
+    flags = ("--column", "Lvl=level_m", "--column", "Stage=reference_level_m")
+    for words in (
+        ("verify", "log.csv", "--model", "model.json", "--maximum-permissible-error-mm", "1"),
+        ("certificate", "model.json", "log.csv", "-o", "c.html"),
+        ("budget", "model.json", "log.csv", "--trials", "0"),
+    ):
+        done = CliRunner().invoke(app, [*words, *flags])
+        assert done.exit_code == 0, done.output
+    with pytest.raises(echocal.UsageError, match="METERS"):
+        echocal.verify("log.csv", columns=columns, **BOUND)

@@ -152,7 +152,7 @@ def verify(
     >>> result.passed, result.worst, round(result.maximum_error * 1e3, 2)
     (False, {'row': 2}, 8.89)
     """
-    observations = observed(observations, verify, table, "" if model is None else model.law)
+    observations = observed(observations, verify, table, "" if model is None else model.law, model)
     observations.require("verification", reference_distance=True)
     assert observations.reference_distance is not None  # required above
     usable = np.flatnonzero(observations.usable)

@@ -106,7 +106,7 @@ def budget(
         if ranges := sorted({"distance", *QUANTITIES} & set(given) - set(READ_OPTIONS)):
             message = f"{keyword(ranges[0])} belongs to a grid, and a table is given; leave one of them out"
             raise UsageError(message)
-        rows = observed(observations, budget, given, model.law)
+        rows = observed(observations, budget, given, model.law, model)
     distance = corrected_distance(rows, model)
     if not np.isfinite(distance).any():
         raise DataError("no row has a distance, so there is nothing to state the uncertainty of")

@@ -1,6 +1,5 @@
 """``echocal verify``: within the maximum permissible error, or not."""
 
-from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
 
@@ -9,7 +8,7 @@ from rich.table import Table
 
 from echocal.cli import _made_by
 from echocal.cli._console import Console
-from echocal.cli._models import Uncertain, end
+from echocal.cli._models import Uncertain, end, read_for
 from echocal.cli._outputs import Force, Output, Report, check_outputs, write_report
 from echocal.cli._tables import (
     AS_IT_IS,
@@ -25,7 +24,6 @@ from echocal.cli._tables import (
 from echocal.diagnose.findings.sentences import quantity_text
 from echocal.errors import UsageError
 from echocal.model import Model
-from echocal.model.indicated_speed import speed_of
 from echocal.report.budget import probability_text
 from echocal.sweep import parse
 from echocal.verify import Verification, verify, verify_model
@@ -83,7 +81,7 @@ def command(
         else:
             correction = None if model is None else Model.load(model)
             if correction:
-                reading = replace(reading, reading_speed=speed_of(correction, reading.reading_speed))
+                reading = read_for(correction, reading)
             observations = read(subject, quiet, reading)
             found = verify(
                 observations,
