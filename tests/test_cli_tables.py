@@ -112,7 +112,7 @@ def test_correct_a_folder(run: Run) -> None:
 def test_verify_says_passed_or_failed(run: Run) -> None:
     code, out, _ = run("verify", str(EXAMPLE), "--maximum-permissible-error-mm", "110.5")
     assert code == 0
-    assert "passed" in out
+    assert "verification: conforms" in out
     code, out, _ = run("verify", str(EXAMPLE), "--maximum-permissible-error-mm", "3", "--json", "-")
     assert code == 1
     assert json.loads(out)["worst"] == {"row": 27}

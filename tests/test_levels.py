@@ -163,4 +163,4 @@ def test_the_command_takes_the_height_from_a_file_of_options(tmp_path: Path) -> 
     assert done.exit_code == 0, done.output
     wrong = CliRunner().invoke(app, ["diagnose", str(tmp_path / "tank.csv"), "--column", "Lvl=level_cm"])
     assert isinstance(wrong.exception, echocal.UsageError)
-    assert "--mount-height 2.6" in str(wrong.exception)
+    assert "--mount-height METERS" in str(wrong.exception)

@@ -67,7 +67,7 @@ def test_pages_say_the_result(run: Run) -> None:
     assert "2 named" in said["fleet"]
     assert "tables 2 rows used 360" in said["several tables"]
     assert "zero_error.offset" in said["calibrate"]
-    assert "failed : 180 of 180 errors exceed 3 mm" in said["verify"]
+    assert "does not conform : 180 of 180 errors exceed 3 mm" in said["verify"]
     assert "reading_m its name" in said["inspect"]
     assert "180 of 180 rows can be used" in said["inspect"]
 

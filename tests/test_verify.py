@@ -66,3 +66,19 @@ def test_what_cannot_be_verified() -> None:
         echocal.verify(echocal.read_observations({"echo_us": [11660.0]}), maximum_permissible_error=1e-3)
     with pytest.raises(echocal.UsageError, match="must be a positive length"):
         echocal.verify(observations(), maximum_permissible_error=0.0)
+
+
+def test_an_uncertainty_that_adds_nothing_is_noted() -> None:
+    found = echocal.verify(observations(), maximum_permissible_error=5e-3, uncertainties={"law": "published"})
+    assert found.notes == (
+        "the stated uncertainty of the speed of sound adds nothing to that of an error: "
+        "what was examined does not read it",
+    )
+    corrected = echocal.verify(
+        observations(),
+        maximum_permissible_error=5e-3,
+        model=echocal.Model("cramer"),
+        uncertainties={"law": "published"},
+    )
+    assert corrected.notes == ()
+    assert corrected.guard_band > 0.0

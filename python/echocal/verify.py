@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from echocal._verb import callable_as
-from echocal.budget.conformity import assessed, budget_of_errors
+from echocal.budget.conformity import assessed, budget_of_errors, without_effect
+from echocal.budget.coverage import DECISIONS
 from echocal.budget.entries import Itemized
 from echocal.budget.stated import Uncertainties
 from echocal.errors import DataError, DataWarning, UsageError
@@ -38,8 +39,11 @@ class Verification(Shown):
     Attributes
     ----------
     passed : bool
-        Whether no error exceeds the maximum permissible error; with uncertainties, whether all errors are
-        within it less their expanded uncertainty (guarded acceptance, JCGM 106:2012, 8.3.2).
+        Whether the decision is ``conforms``.
+    decision : str
+        ``conforms``, ``undecided`` or ``does not conform``, of all errors together. Without any uncertainty
+        an error conforms if it does not exceed the maximum permissible error; else with a guard band
+        (JCGM 106:2012, 8.3).
     maximum_permissible_error : float
         The bound (VIM 4.26) [m].
     maximum_error : float
@@ -89,6 +93,7 @@ class Verification(Shown):
     undecided: int = 0
     least_probability: float | None = None
     notes: tuple[str, ...] = ()
+    decision: str = DECISIONS[0]
 
     def to_dict(self) -> dict[str, Any]:
         """Plain data, schema ``echocal.verification/1``; lengths in meters."""
@@ -147,7 +152,7 @@ def verify(
     >>> result.passed, result.worst, round(result.maximum_error * 1e3, 2)
     (False, {'row': 2}, 8.89)
     """
-    observations = observed(observations, verify, table, "" if model is None else model.law)
+    observations = observed(observations, verify, table, "" if model is None else model.law, model)
     observations.require("verification", reference_distance=True)
     assert observations.reference_distance is not None  # required above
     usable = np.flatnonzero(observations.usable)
@@ -160,14 +165,17 @@ def verify(
         observations.unusable_counts,
     )
     stated = Uncertainties.of(uncertainties)
-    if stated:
-        stated = replace(stated, stated={**uncertain(observations), **stated.stated})
-        found = _guarded(
-            found, errors, usable, budget_of_errors(observations, model, indication, stated, law)
-        )
+    budget = budget_of_errors(observations, model, indication, stated, law)
+    if budget.entries or stated:
+        found = _guarded(found, errors, usable, budget)
     marks = [] if model is None else outside_smooth(observations, model)[usable].tolist()
     outside = dict(Counter(mark for mark in marks if mark))
     notes = [*sentences(observations.stated), *_beside(observations, found, model, law)]
+    if unused := without_effect(stated, budget):
+        notes.append(
+            f"the stated uncertainty of the {', '.join(unused)} adds nothing to that of an error: "
+            "what was examined does not read it"
+        )
     return replace(found, outside_smooth=outside, notes=tuple(notes))
 
 
@@ -179,6 +187,7 @@ def _guarded(
     return replace(
         found,
         passed=bool((judged.decision == 0).all()),
+        decision=DECISIONS[int(judged.decision.max())],
         guard_band=float(judged.expanded_uncertainty.max()),
         undecided=int((judged.decision == 1).sum()),
         least_probability=float(judged.probability.min()),
@@ -195,7 +204,7 @@ def _beside(observations: Observations, found: Verification, model: Model | None
             )
             for step in (-uncertainty, uncertainty)
         )
-        outcome = ["passed" if side.passed else "failed" for side in (low, high)]
+        outcome = [side.decision for side in (low, high)]
         errors = [f"{side.maximum_error * 1e3:+.3f} mm" for side in (low, high)]
         yield (
             f"with the {quantity.replace('_', ' ')} one standard uncertainty lower the maximum error is "
@@ -278,6 +287,7 @@ def _judge(
     exceeding = int(np.sum(np.abs(errors) > bound))
     return Verification(
         passed=exceeding == 0,
+        decision=DECISIONS[2 if exceeding else 0],
         maximum_permissible_error=bound,
         maximum_error=float(errors[worst]),
         mean_error=float(errors.mean()),

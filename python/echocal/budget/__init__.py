@@ -1,6 +1,7 @@
 """Uncertainty budgets of corrected distances: JCGM 100, JCGM 101."""
 
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -90,7 +91,11 @@ def budget(
     >>> (1e3 * found.expanded_uncertainty).round(1).tolist()
     [1.2, 2.3]
     """
-    model = Model(model) if isinstance(model, str) else model
+    if isinstance(model, str | Path):
+        if str(model).endswith(".json"):
+            message = f"budget needs a Model or a law, got {str(model)!r}; Model.load(path) reads a file"
+            raise UsageError(message)
+        model = Model(str(model))
     probability = checked_coverage(coverage)
     if isinstance(trials, bool) or not isinstance(trials, int | np.integer) or trials < 0 or trials == 1:
         message = f"{keyword('trials', trials)} is no number of draws; give 0 for none, or 2 or more"
@@ -101,7 +106,7 @@ def budget(
         if ranges := sorted({"distance", *QUANTITIES} & set(given) - set(READ_OPTIONS)):
             message = f"{keyword(ranges[0])} belongs to a grid, and a table is given; leave one of them out"
             raise UsageError(message)
-        rows = observed(observations, budget, given, model.law)
+        rows = observed(observations, budget, given, model.law, model)
     distance = corrected_distance(rows, model)
     if not np.isfinite(distance).any():
         raise DataError("no row has a distance, so there is nothing to state the uncertainty of")
@@ -128,11 +133,11 @@ def budget(
 
 def complete(model: Model, uncertainties: Any, conditions: dict[str, float]) -> Uncertainties:
     """What the user states, with the published uncertainty of the law where nothing else has it."""
-    own = uncertainties if isinstance(uncertainties, Uncertainties) else Uncertainties.of(uncertainties)
+    own = Uncertainties.with_conditions(uncertainties, conditions)
     instruments = dict(own.instruments)
     if model.residual_uncertainty is None and not {"law", "law_ppm"} & set(instruments):
         instruments |= PUBLISHED
-    return replace(own, stated={**conditions, **own.stated}, instruments=instruments)
+    return replace(own, instruments=instruments)
 
 
 def _places(distance: NDArray[np.float64], u: NDArray[np.float64]) -> NDArray[np.int64]:

@@ -1,20 +1,22 @@
 """Conformity of errors with a maximum permissible error, with a guard band: JCGM 106:2012."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from echocal.budget.coverage import COVERAGE, conformity_probability, coverage_factor, decided
-from echocal.budget.entries import Itemized, itemized
-from echocal.budget.sources import TAPE
+from echocal.budget.entries import Entry, Itemized, itemized
+from echocal.budget.sources import LAW, TAPE
 from echocal.budget.stated import Uncertainties
 from echocal.model import Model
 from echocal.observations import Observations
 from echocal.observations.echoes import DEFAULT_SPEED
+from echocal.observations.stated import uncertain
+from echocal.quantities import FROM_THERMOMETERS
 
-__all__ = ["Conformity", "assessed", "budget_of_errors"]
+__all__ = ["Conformity", "assessed", "budget_of_errors", "without_effect"]
 
 Column = NDArray[np.float64]
 
@@ -71,7 +73,9 @@ def budget_of_errors(
     uncertainties: Any,
     law: str = "linear",
 ) -> Itemized:
-    """Budget of errors of indication: only what is stated, for the device and its model are what is examined.
+    """Budget of errors of indication: only what is stated and the join of a reference.
+
+    The device and its model are what is examined.
 
     Parameters
     ----------
@@ -85,13 +89,35 @@ def budget_of_errors(
     law : str
         Law that turns echo times into indications, where the table has no readings and there is no model.
     """
-    own = uncertainties if isinstance(uncertainties, Uncertainties) else Uncertainties.of(uncertainties)
-    if not own:
-        return Itemized(())
+    own = Uncertainties.with_conditions(uncertainties, uncertain(observations))
     bare = model is None and observations.reading is not None
     corrects = model or Model((observations.reading_speed or DEFAULT_SPEED) if bare else law)
     found = itemized(observations, corrects, indication, own).only("stated")
     found.refuse_unknown(indication)
+    entries = found.entries
     if bare:  # nothing corrects the readings: the air does not matter
-        return replace(found, entries=tuple(e for e in found.entries if e.quantity in (TAPE, "reading")))
-    return found
+        entries = tuple(e for e in entries if e.quantity in (TAPE, "reading"))
+    if joined := observations.reference_join_uncertainty:
+        one = np.ones(len(indication))
+        words = "reference distance, joined by time"
+        entries += (Entry(TAPE, words, "B", "normal", joined * one, "m", one, origin="the other log"),)
+    return Itemized(entries)
+
+
+def without_effect(stated: Uncertainties, budget: Itemized) -> list[str]:
+    """Quantities whose uncertainty is stated and is in no entry of a budget.
+
+    Examples
+    --------
+    >>> without_effect(Uncertainties.of({"law": "published", "thermometer": "DHT22"}), Itemized(()))
+    ['temperature', 'speed of sound']
+    """
+    counted = {entry.quantity for entry in budget.entries}
+    named = [source.quantity for source in stated.sources]
+    named += [LAW] if "law" in stated.instruments else []
+    lost = [
+        name
+        for name in dict.fromkeys(named)
+        if not counted & set(FROM_THERMOMETERS if name == "thermometer" else [name])
+    ]
+    return [name.replace("_", " ") for name in lost]

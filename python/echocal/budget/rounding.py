@@ -29,15 +29,15 @@ def rounded_up(uncertainty: float, digits: int = 2) -> tuple[float, int]:
 
 
 def plus_minus(value: float, uncertainty: float, unit: str = "") -> str:
-    """A value and its expanded uncertainty, both to the same digit.
+    """A value and its expanded uncertainty, both to the same digit; without one, three decimals.
 
     Examples
     --------
-    >>> plus_minus(2.003871, 0.001234, "m"), plus_minus(1.5, 0.0, "m")
-    ('2.0039 ± 0.0013 m', '1.5 m')
+    >>> plus_minus(2.003871, 0.001234, "m"), plus_minus(-3.10393, 0.0, "mm")
+    ('2.0039 ± 0.0013 m', '-3.104 mm')
     """
     if not (uncertainty > 0.0 and math.isfinite(uncertainty) and math.isfinite(value)):
-        return f"{value:.6g} {unit}".rstrip()
+        return f"{round(value, 3) + 0.0:.6g} {unit}".rstrip()
     size, exponent = rounded_up(uncertainty)
     decimals = max(-exponent, 0)
     return f"{round(value, -exponent):.{decimals}f} ± {size:.{decimals}f} {unit}".rstrip()

@@ -85,6 +85,18 @@ class Uncertainties:
         numbers = {name: own for name, own in plain.items() if not isinstance(own, str)}
         return cls(numbers, {name: own for name, own in plain.items() if isinstance(own, str)})
 
+    @classmethod
+    def with_conditions(cls, own: Any, conditions: Mapping[str, float]) -> "Uncertainties":
+        """What is stated, and standard uncertainties [SI] of stated conditions where it says nothing else.
+
+        Examples
+        --------
+        >>> Uncertainties.with_conditions({"tape": "II"}, {"temperature": 1.0}).plain()
+        {'temperature': 1.0, 'tape': 'II'}
+        """
+        found = own if isinstance(own, cls) else cls.of(own)
+        return cls({**conditions, **found.stated}, found.instruments)
+
     def plain(self) -> dict[str, float | str]:
         """As plain data: numbers are standard uncertainties, texts are names of instruments."""
         return {**self.stated, **self.instruments}

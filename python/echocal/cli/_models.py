@@ -1,15 +1,19 @@
 """What every command that takes a model shares."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, TypeAlias
 
 import typer
 
+from echocal.cli._tables import Given
 from echocal.errors import UsageError
 from echocal.model import Model
+from echocal.model.indicated_speed import speed_of
+from echocal.observations.mount import mounted_as
 
-__all__ = ["Effects", "Uncertain", "model_of"]
+__all__ = ["Effects", "Uncertain", "end", "model_of", "read_for"]
 
 Effects: TypeAlias = Annotated[
     list[str] | None,
@@ -43,6 +47,21 @@ def model_of(law: str | None, path: Path | None, effects: Sequence[str] | None) 
         message = "give a model file or a law with effects, not both"
         raise UsageError(message)
     return Model.load(path)
+
+
+def read_for(model: Model, reading: Given) -> Given:
+    """Options of a table that a model corrects: its speed and its height of the sensor, if none is stated."""
+    speed = speed_of(model, reading.reading_speed)
+    return replace(
+        reading, reading_speed=speed, columns=mounted_as(reading.requests, model), mount_height=None
+    )
+
+
+def end(decision: str) -> None:
+    """End a command with the exit code of what is decided."""
+    code = {"conforms": 0, "does not conform": 1, "undecided": 5}[decision]
+    if code:
+        raise typer.Exit(code)
 
 
 def _effect(text: str) -> tuple[str, dict[str, float]]:

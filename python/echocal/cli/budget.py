@@ -1,6 +1,5 @@
 """``echocal budget``: what a corrected distance is uncertain by, source by source."""
 
-from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -11,7 +10,7 @@ from echocal.budget import TRIALS, Budget, budget
 from echocal.budget.coverage import COVERAGE
 from echocal.cli import _made_by
 from echocal.cli._console import Console
-from echocal.cli._models import Effects, Uncertain, model_of
+from echocal.cli._models import Effects, Uncertain, model_of, read_for
 from echocal.cli._outputs import Force, Output, check_outputs
 from echocal.cli._tables import (
     AS_IT_IS,
@@ -25,7 +24,6 @@ from echocal.cli._tables import (
     write_json,
 )
 from echocal.errors import UsageError
-from echocal.model.indicated_speed import speed_of
 from echocal.outputs import replace_text
 from echocal.sweep import parse, parse_named
 
@@ -87,7 +85,7 @@ def command(
                     "--distance, --temperature and --grid make a grid, and a table is given; leave them out"
                 )
                 raise UsageError(message)
-            reading = replace(reading, reading_speed=speed_of(corrects, reading.reading_speed))
+            reading = read_for(corrects, reading)
             given: dict[str, Any] = {"observations": read(data, quiet, reading)}
         else:
             given = {

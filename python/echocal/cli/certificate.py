@@ -2,7 +2,6 @@
 
 import shlex
 import sys
-from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
 
@@ -11,12 +10,11 @@ import typer
 from echocal.budget.coverage import COVERAGE
 from echocal.cli import _made_by
 from echocal.cli._console import Console
-from echocal.cli._models import Uncertain
+from echocal.cli._models import Uncertain, end, read_for
 from echocal.cli._outputs import Force, Output, check_outputs
 from echocal.cli._tables import AS_IT_IS, Given, Json, Quiet, noted, read, reading_options, write_json
 from echocal.errors import UsageError
 from echocal.model import Model
-from echocal.model.indicated_speed import speed_of
 
 
 @reading_options()
@@ -34,7 +32,10 @@ def command(
     force: Force = False,
     quiet: Quiet = False,
 ) -> None:
-    """Write a certificate: results with their uncertainty, the budget, and conformity with a guard band."""
+    """Write a certificate: results with their uncertainty, the budget, and conformity with a guard band.
+
+    Exit code 1: does not conform. Exit code 5: undecided.
+    """
     from echocal.report.html.certificate import certify, refuse_ending, save_certificate, sha256_of
 
     refuse_ending(out)
@@ -50,7 +51,7 @@ def command(
         raise UsageError(message)
     with noted(quiet):
         own = Model.load(model)
-        reading = replace(reading, reading_speed=speed_of(own, reading.reading_speed))
+        reading = read_for(own, reading)
         observations = read(data, quiet, reading)
         found = certify(
             own,
@@ -73,6 +74,7 @@ def command(
     write_json(found.budget.to_dict(), json)
     if not quiet and json != "-":
         Console(soft_wrap=True).print(f"{found.decision}: {found.statement}", markup=False)
+    end(found.decision)
 
 
 def _origin(model: Model) -> dict[str, str]:

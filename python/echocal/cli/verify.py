@@ -1,6 +1,5 @@
 """``echocal verify``: within the maximum permissible error, or not."""
 
-from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
 
@@ -9,7 +8,7 @@ from rich.table import Table
 
 from echocal.cli import _made_by
 from echocal.cli._console import Console
-from echocal.cli._models import Uncertain
+from echocal.cli._models import Uncertain, end, read_for
 from echocal.cli._outputs import Force, Output, Report, check_outputs, write_report
 from echocal.cli._tables import (
     AS_IT_IS,
@@ -25,7 +24,6 @@ from echocal.cli._tables import (
 from echocal.diagnose.findings.sentences import quantity_text
 from echocal.errors import UsageError
 from echocal.model import Model
-from echocal.model.indicated_speed import speed_of
 from echocal.report.budget import probability_text
 from echocal.sweep import parse
 from echocal.verify import Verification, verify, verify_model
@@ -54,9 +52,10 @@ def command(
     force: Force = False,
     quiet: Quiet = False,
 ) -> None:
-    """Compare errors of indication with a maximum permissible error; exit code 1 if one exceeds it.
+    """Compare errors of indication with a maximum permissible error; exit code 1 if one does not conform.
 
-    With --uncertainty, each error keeps a guard band of its expanded uncertainty.
+    Where an uncertainty is known, each error keeps a guard band of its expanded uncertainty. Exit code 5:
+    undecided.
     """
     subject = from_stdin(subject)
     check_outputs(
@@ -82,7 +81,7 @@ def command(
         else:
             correction = None if model is None else Model.load(model)
             if correction:
-                reading = replace(reading, reading_speed=speed_of(correction, reading.reading_speed))
+                reading = read_for(correction, reading)
             observations = read(subject, quiet, reading)
             found = verify(
                 observations,
@@ -98,13 +97,12 @@ def command(
     write_json(found.to_dict(), json)
     if not quiet and json != "-":
         _print(found)
-    if not found.passed:
-        raise typer.Exit(1)
+    end(found.decision)
 
 
 def _print(result: Verification) -> None:
-    verdict = "[bold green]passed[/]" if result.passed else "[bold red]failed[/]"
-    table = Table(show_header=False, title=f"verification {verdict}")
+    color = "green" if result.passed else "red"
+    table = Table(show_header=False, title=f"verification: [bold {color}]{result.decision}[/]")
     place = ", ".join(_shown(name, value) for name, value in result.worst.items())
     table.add_row("maximum permissible error", f"{result.maximum_permissible_error * 1e3:g} mm")
     table.add_row("maximum error", f"{result.maximum_error * 1e3:+.3f} mm at {place}")

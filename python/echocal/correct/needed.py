@@ -7,11 +7,10 @@ from pathlib import Path
 from echocal import _core
 from echocal.correct.marks import context_of, rules_of
 from echocal.errors import UsageError
-from echocal.keywords import keyword
 from echocal.model import Model
 from echocal.model.indicated_speed import speed_of
 from echocal.observations.marks import MARKS
-from echocal.observations.mount import HEIGHT_FITTED, is_level, kept_height, mounted
+from echocal.observations.mount import mounted_as
 from echocal.observations.names import IGNORE
 from echocal.observations.plan import EVERYTHING, make
 from echocal.quantities import AIR, DEFAULTS, FROM_THERMOMETERS, QUANTITIES
@@ -72,7 +71,7 @@ def needed(
         As `echocal.read_observations`, if a request or the name of a column cannot be understood.
     """
     refuse_repeated(names)
-    requests = _mounted(requests, model)
+    requests = mounted_as(requests, model)
     plan = make(list(names), requests, trust)
     rules = rules_of(model) if mark_rows and MARKS in model.provenance else ()
     reads = {
@@ -114,22 +113,6 @@ def needed(
         remembered(model),
         around,
     )
-
-
-def _mounted(requests: Mapping[str, str], model: Model) -> Mapping[str, str]:
-    """Levels with the height that the diagnosis of the model had, where the user states none."""
-    kept = kept_height(model)
-    levels = {name: own for name, own in requests.items() if is_level(name, own)}
-    if kept is None or not levels:
-        return requests
-    own = mounted(levels, kept)
-    if model.provenance.get(HEIGHT_FITTED) and (other := [name for name in own if own[name] == levels[name]]):
-        message = (
-            f"'{levels[other[0]]}': the diagnosis of the model fitted the mount height, {kept:g} m, together "
-            f"with a zero error; leave {keyword('mount_height')} out, or give it to the diagnosis"
-        )
-        raise UsageError(message)
-    return {**requests, **own}
 
 
 def remembered(model: Model) -> tuple[str, ...]:

@@ -7,6 +7,8 @@ from difflib import get_close_matches
 from typing import Any
 
 from echocal.errors import UsageError
+from echocal.model import Model
+from echocal.observations.mount import mounted_as
 from echocal.observations.options import ReadOptions
 from echocal.observations.reading import read_observations
 from echocal.observations.table import Observations
@@ -17,7 +19,9 @@ READ_OPTIONS = tuple(one.name for one in fields(ReadOptions) if one.init)
 """Keywords of `echocal.read_observations`."""
 
 
-def observed(given: Any, caller: Callable[..., Any], how: Mapping[str, Any], speed: str) -> Observations:
+def observed(
+    given: Any, caller: Callable[..., Any], how: Mapping[str, Any], speed: str, model: Model | None = None
+) -> Observations:
     """Return the observations that a function was given, or read them from a table.
 
     Parameters
@@ -29,6 +33,8 @@ def observed(given: Any, caller: Callable[..., Any], how: Mapping[str, Any], spe
         Its further keywords: arguments of `echocal.read_observations`.
     speed : str
         Law or speed [m/s] that the device converts with, where they do not say; empty for the default.
+    model : Model, optional
+        Its height of the sensor is that of levels, where they do not say.
 
     Raises
     ------
@@ -44,7 +50,10 @@ def observed(given: Any, caller: Callable[..., Any], how: Mapping[str, Any], spe
             message = f"{name} is an argument for reading a table; pass it to read_observations instead"
             raise UsageError(message)
         return given
-    default = {"reading_speed": speed} if speed else {}
+    default: dict[str, Any] = {"reading_speed": speed} if speed else {}
+    if model is not None and how.get("columns"):
+        default["columns"] = mounted_as(ReadOptions(**how).requests, model)
+        how = {name: value for name, value in how.items() if name not in ("columns", "mount_height")}
     return read_observations(given, **{**default, **how})
 
 

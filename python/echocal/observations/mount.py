@@ -9,7 +9,7 @@ from echocal.observations.names import BELOW, EXTRA, IGNORE, by_request
 from echocal.observations.plan import Assignment, Plan
 
 __all__ = ["HEIGHT_FITTED", "LEAST", "MOUNT_HEIGHT", "holds_level", "is_level", "kept_height", "level_zero"]
-__all__ += ["mount_height", "mounted", "refuse_unmounted", "without_height"]
+__all__ += ["mount_height", "mounted", "mounted_as", "refuse_unmounted", "without_height"]
 
 MOUNT_HEIGHT, HEIGHT_FITTED = "mount_height_m", "mount_height_fitted"
 """What a model keeps of the levels of its diagnosis."""
@@ -84,6 +84,22 @@ def kept_height(model: Model) -> float | None:
     return kept if isinstance(kept, float) else None
 
 
+def mounted_as(requests: Mapping[str, str], model: Model) -> Mapping[str, str]:
+    """Levels with the height that the diagnosis of the model had, where the user states none."""
+    kept = kept_height(model)
+    levels = {name: own for name, own in requests.items() if is_level(name, own)}
+    if kept is None or not levels:
+        return requests
+    own = mounted(levels, kept)
+    if model.provenance.get(HEIGHT_FITTED) and (other := [name for name in own if own[name] == levels[name]]):
+        message = (
+            f"'{levels[other[0]]}': the diagnosis of the model fitted the mount height, {kept:g} m, together "
+            f"with a zero error; leave {keyword('mount_height')} out, or give it to the diagnosis"
+        )
+        raise UsageError(message)
+    return {**requests, **own}
+
+
 def level_zero(plan: Plan, model: Model) -> float:
     """Height above the zero of a level [m] from which a corrected distance counts down.
 
@@ -100,6 +116,6 @@ def without_height(source: Assignment) -> str:
     """What to say of a level whose height is not known."""
     return (
         f"column '{source.column}' holds a level, and distance = mount height - level: give the height of "
-        f"the sensor above the zero of the level, in m: {keyword('mount_height', 2.6)}. It is fitted only "
-        f"where at least {LEAST} rows have a distance, too"
+        f"the sensor above the zero of the level, in m: {keyword('mount_height', 'METERS')}. It is "
+        f"fitted only where at least {LEAST} rows have a distance, too"
     )

@@ -184,7 +184,7 @@ def _(result: Observations) -> str:
 def _(result: Verification) -> str:
     bound = _MM * result.maximum_permissible_error
     return (
-        f"Verification {'passed' if result.passed else 'failed'}: {result.exceeding} of {result.count} "
+        f"Verification {result.decision}: {result.exceeding} of {result.count} "
         f"errors exceed {bound:.3g} mm; the largest is {_MM * result.maximum_error:+.3g} mm"
     )
 

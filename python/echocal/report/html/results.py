@@ -77,8 +77,8 @@ def verification_page(found: Verification, heading: str, made_by: str = "") -> s
     left = [f"{count} rows are not examined: {why}." for why, count in found.unusable.items()]
     left += [f"{count} rows are examined without it: {why}." for why, count in found.outside_smooth.items()]
     sections = [Section("Errors", charts=[errors_chart(found)]), Section("Rows", left), notes_of(found.notes)]
-    word = "passed" if found.passed else "failed"
-    return sections_page("verify", Head("Verification", heading, sentence, word, facts), sections, made_by)
+    head = Head("Verification", heading, sentence, found.decision, facts)
+    return sections_page("verify", head, sections, made_by)
 
 
 def inspection_page(found: Inspection, heading: str, made_by: str = "") -> str:
