@@ -165,6 +165,7 @@ def firmware_request() -> dict[str, Any]:
     return {
         "target": "c99",
         "package": "c",
+        "name": "echocal",
         "prefer": "size",
         "form": "polynomial",
         "temperature": (10.0, 0.0, 20.0, 0.0),

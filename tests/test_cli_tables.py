@@ -209,4 +209,4 @@ def test_what_belongs_to_one_campaign_is_told_and_left_out(run: Run) -> None:
 def test_a_misspelled_command_names_the_nearest(run: Run) -> None:
     code, _, said = run("diagnoze", str(EXAMPLE))
     assert code == 2
-    assert "no command 'diagnoze'; did you mean 'diagnose'?" in said
+    assert "no command and no file 'diagnoze'; did you mean 'diagnose'?" in said

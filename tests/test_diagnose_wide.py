@@ -117,7 +117,7 @@ def test_memory_and_time_have_a_bound(tmp_path: Path, random: np.random.Generato
         "from echocal.cli import main\n"
         "main()"
     )
-    command = [sys.executable, "-c", measured, "diagnose", str(data), "--json", str(said)]
+    command = [sys.executable, "-c", measured, "diagnose", str(data), "--json", str(said), "--details"]
     done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=SECONDS)
     assert done.returncode == 0, done.stderr
     assert int(done.stderr.split()[-1]) < MEMORY

@@ -217,7 +217,7 @@ def test_a_log_on_stdin(shell: Run, random: np.random.Generator, monkeypatch: py
     [
         ({"distance_cm": [100.0] * 3, "temperature_C": [20.0] * 3}, "columns={'distance_cm': 'reading_cm'}"),
         ({"Range (yd)": [3.1] * 3, "temperature_C": [20.0] * 3}, "a unit that echocal does not convert"),
-        ({"level [m]": [1.2, 1.3, 1.25], "temperature_C": [20.0] * 3}, "columns={'level [m]': 'reading_m'}"),
+        ({"level [m]": [1.2, 1.3, 1.25], "temperature_C": [20.0] * 3}, "columns={'level [m]': 'level_m'}"),
     ],
 )
 def test_what_may_be_two_things_is_asked_for(table: dict[str, list[float]], message: str) -> None:

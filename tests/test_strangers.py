@@ -333,8 +333,8 @@ def test_what_a_fleet_has_not_is_told(cli: Cli, random: np.random.Generator, tmp
     own = table(random, 60).assign(sensor_id=[str(10**n) for n in (0, 20, 1)] * 20)
     own.to_csv(tmp_path / "log.csv", index=False)
     fleet = ("diagnose", "log.csv", "--by", "sensor_id", "-o", "found.csv")
-    code, said = cli(*fleet, "--report", "report.html")
+    code, said = cli(*fleet, "--rows", "rows.csv")
     assert code == 2
-    assert "--report is for one table, and this is a fleet" in said
+    assert "--rows is for one table, and this is a fleet" in said
     assert cli(*fleet)[0] == 0
     assert len(pd.read_csv(tmp_path / "found.csv", dtype=str)) == 3
