@@ -86,7 +86,8 @@ def generate(
         What to save: bytes of flash, or cycles.
     form : str, optional
         The only form to try, ``"polynomial"``, ``"adapted"``, ``"interpolated_table"``, ``"segments"``,
-        ``"square"``, ``"factored"``, ``"full_table"``, ``"additive"`` or ``"grid"``; default: the cheapest of all.
+        ``"square"``, ``"factored"``, ``"full_table"``, ``"additive"`` or ``"grid"``; default: the
+        cheapest of all.
     accept : iterable of str, or str
         Effects that may be left out although they change the distance.
     assume : mapping of str to float
