@@ -160,3 +160,11 @@ def test_a_file_name_cannot_end_the_comment(tmp_path: Path) -> None:
         Model("linear"), temperature=(1.0, 0.0, 40.0), model_name="a*/ int x; /*??/ \n.json"
     )
     assert hash_of_all(build(made, tmp_path)) == made.report["output_hash"]
+
+
+def test_a_report_warns_of_the_domain_once_at_most(
+    model: Path, monkeypatch: pytest.MonkeyPatch, recwarn: pytest.WarningsRecorder
+) -> None:
+    words = ("--temperature-lsb", "1", "--echo-max-us", "5000", "--assume", "relative_humidity=1", "--quiet")
+    assert run(monkeypatch, str(model), *words, "--report", "page.html", "-o", "made") == 0
+    assert not recwarn.list
