@@ -15,7 +15,7 @@ PACKAGE = ROOT / "python" / "echocal"
 
 LAYERS = (
     {"_core", "_interrupt", "_verb", "errors", "keywords", "shown"},
-    {"codes", "concise", "outputs", "checksums", "objects"},
+    {"codes", "reserved", "concise", "outputs", "checksums", "objects"},
     {"places"},
     {"quantities"},
     {"conditions"},

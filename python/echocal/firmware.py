@@ -16,12 +16,13 @@ from echocal.device_uncertainty import expanded_uncertainty
 from echocal.domain import describe
 from echocal.errors import BoundError, DomainWarning, UsageError
 from echocal.generated import Firmware
-from echocal.keywords import command_line, keyword
+from echocal.keywords import command_line, exact, keyword
 from echocal.model import Model
 from echocal.model.needs import assumed
 from echocal.model.origin import diagnosed
 from echocal.model.uncertainty import stated
 from echocal.registry import find_effect
+from echocal.reserved import RESERVED
 
 __all__ = ["EchoCodes", "Firmware", "HumidityCodes", "TemperatureCodes", "generate"]
 
@@ -84,8 +85,9 @@ def generate(
     prefer : {"size", "speed"}
         What to save: bytes of flash, or cycles.
     form : str, optional
-        The only form to try, ``"polynomial"``, ``"interpolated_table"``, ``"segments"``, ``"square"``,
-        ``"factored"``, ``"full_table"``, ``"additive"`` or ``"grid"``; default: the cheapest of all.
+        The only form to try, ``"polynomial"``, ``"adapted"``, ``"interpolated_table"``, ``"segments"``,
+        ``"square"``, ``"factored"``, ``"full_table"``, ``"additive"`` or ``"grid"``; default: the
+        cheapest of all.
     accept : iterable of str, or str
         Effects that may be left out although they change the distance.
     assume : mapping of str to float
@@ -100,7 +102,8 @@ def generate(
         crate. All but ``"micropython"`` and ``"rust"`` hold the same C.
     name : str
         What the names of files, functions, macros and libraries begin with. Two sensors in one program need
-        two names. Lower-case letters, digits and single underscores, at most 19 characters.
+        two names. Lower-case letters, digits and single underscores, at most 19 characters. No word that a
+        language or its library reserves.
     uncertainties : iterable of str, or mapping of str to float
         Standard uncertainties of what the device measures or assumes, as in `echocal.correct`:
         ``["temperature_C=0.5"]`` or ``["thermometer=DHT22"]``, for the uncertainty that the header states.
@@ -201,6 +204,9 @@ def _refuse_name(name: str) -> None:
             f"digits and single underscores, a letter first, at most {_LONGEST_NAME} characters"
         )
         raise UsageError(message)
+    if name in RESERVED:
+        message = f"{keyword('name', name)} is a word of a language or its library; add to it: {name}_1"
+        raise UsageError(message)
 
 
 def _mapped(assume: Mapping[str, float] | None) -> dict[str, float]:
@@ -233,7 +239,7 @@ def _fitted(model: Model) -> list[str]:
 
 def _texts(uncertainties: Iterable[str] | Mapping[str, float]) -> list[str]:
     if isinstance(uncertainties, Mapping):
-        return [f"{name}={size:.12g}" for name, size in uncertainties.items()]
+        return [f"{name}={exact(size)}" for name, size in uncertainties.items()]
     return [uncertainties] if isinstance(uncertainties, str) else [*uncertainties]
 
 
@@ -310,7 +316,7 @@ def _command(
         echo_lsb_us=None if tick == 1.0 else tick,
         echo_min_us=shortest,
         echo_max_us=longest,
-        max_error_mm=request["maximum_error"] * 1e3,
+        max_error_mm=_millimeters(request["maximum_error"]),
         output_unit=None if unit == "um" else unit,
         max_distance_m=request["maximum_distance"],
         prefer=request["prefer"],
@@ -319,10 +325,17 @@ def _command(
         package=None if package == "c" else package,
         name=None if request["name"] == "echocal" else request["name"],
         accept=request["accept"],
-        assume=[f"{name}={value:.12g}" for name, value in sorted(assume.items())],
+        assume=[f"{name}={exact(value)}" for name, value in sorted(assume.items())],
         uncertainty=uncertainties,
         measure=measure,
+        out="firmware",
     )
+
+
+def _millimeters(size: float) -> float:
+    """The shortest number of millimeters that reads back to a size [m], as the command reads it."""
+    texts = (float(f"{size * 1e3:.{digits}g}") for digits in range(1, 18))
+    return next((text for text in texts if text * 1e-3 == size), size * 1e3)
 
 
 def _codes(name: str, codes: tuple[float, float, float, float] | None) -> dict[str, Any]:
@@ -330,4 +343,4 @@ def _codes(name: str, codes: tuple[float, float, float, float] | None) -> dict[s
     if codes is None:
         return {}
     lsb, low, high, zero = codes
-    return {f"{name}_lsb": lsb, f"{name}_range": f"{low:.12g}:{high:.12g}", f"{name}_zero": zero or None}
+    return {f"{name}_lsb": lsb, f"{name}_range": f"{exact(low)}:{exact(high)}", f"{name}_zero": zero or None}

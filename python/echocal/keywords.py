@@ -8,7 +8,7 @@ from numbers import Real
 from pathlib import PurePath
 from typing import Any
 
-__all__ = ["as_here", "command_line", "keyword", "naming"]
+__all__ = ["as_here", "command_line", "exact", "keyword", "naming"]
 
 _flags: Mapping[str, str] | None = None
 """Flag of each keyword of the command that runs; None where Python calls. One for all threads."""
@@ -52,12 +52,25 @@ def command_line(command: str, *words: object, **options: Any) -> str:
     parts = ["echocal", *command.split(), *map(_word, words)]
     for name, given in options.items():
         for one in given if isinstance(given, list) else [given]:
-            text = _plain(one)
+            text = exact(one)
             if one is True:
                 parts.append(_flag(name))
             elif one is not None and one is not False:
                 parts += [f"{_flag(name)}={text}"] if text.startswith("-") else [_flag(name), text]
     return shlex.join(parts)
+
+
+def exact(value: Any) -> str:
+    """The shortest text that reads back to the same number; other values as they are.
+
+    Examples
+    --------
+    >>> exact(2.0), exact(0.0625 / 3), exact("avr")
+    ('2', '0.020833333333333332', 'avr')
+    """
+    if not isinstance(value, Real) or isinstance(value, (bool, int)):
+        return str(value)
+    return repr(float(value)).removesuffix(".0")
 
 
 @contextmanager

@@ -55,6 +55,18 @@ def test_files_report_and_summary(
     assert sorted(path.name for path in Path("made").iterdir()) == names
 
 
+def test_the_recorded_command_runs_as_printed(model: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    third = "0.020833333333333332"  # more than 12 digits
+    words = ("--temperature-lsb", third, "--temperature-range", "0:1.3333333333333333", "--echo-max-us=9000")
+    assert run(monkeypatch, str(model), *words, "--max-error-mm", "0.3", "--quiet", "-o", "first") == 0
+    command = shlex.split(json.loads(Path("first/report.json").read_text())["provenance"]["command"])
+    assert third in command
+    assert "0.3" in command
+    assert run(monkeypatch, *command[2:]) == 0
+    for path in Path("first").rglob("*.*"):
+        assert path.read_bytes() == Path("firmware", path.relative_to("first")).read_bytes()
+
+
 @pytest.mark.slow
 def test_the_recorded_command_makes_the_same_files(
     model: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
@@ -148,3 +160,11 @@ def test_a_file_name_cannot_end_the_comment(tmp_path: Path) -> None:
         Model("linear"), temperature=(1.0, 0.0, 40.0), model_name="a*/ int x; /*??/ \n.json"
     )
     assert hash_of_all(build(made, tmp_path)) == made.report["output_hash"]
+
+
+def test_a_report_warns_of_the_domain_once_at_most(
+    model: Path, monkeypatch: pytest.MonkeyPatch, recwarn: pytest.WarningsRecorder
+) -> None:
+    words = ("--temperature-lsb", "1", "--echo-max-us", "5000", "--assume", "relative_humidity=1", "--quiet")
+    assert run(monkeypatch, str(model), *words, "--report", "page.html", "-o", "made") == 0
+    assert not recwarn.list

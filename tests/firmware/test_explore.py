@@ -1,6 +1,7 @@
 """``--explore``: the Pareto front, measured if the tools are installed, else by the cost model."""
 
 import json
+import re
 import shlex
 import sys
 from pathlib import Path
@@ -10,7 +11,7 @@ import pytest
 from echocal import Model, silicon
 from echocal.cli import main
 from echocal.errors import BoundError
-from echocal.explore import Choice, explore
+from echocal.explore import FORMS, Choice, explore
 
 CODES = {"temperature": (1.0, 0.0, 40.0), "echo": 5000, "n_threads": 2}
 
@@ -101,3 +102,9 @@ def test_options_that_make_no_sense_together_are_refused(
         assert run(monkeypatch, "model.json", "--explore", *more, "-o", "made") == 2
         told = " ".join(capsys.readouterr().err.split())
         assert "leave out --prefer, --form, --measure, --uncertainty, --package, --name and --report" in told
+
+
+def test_every_form_of_the_core_is_tried() -> None:
+    files = Path(__file__).parents[2] / "firmware_gen" / "src" / "form"
+    listed = re.findall(r"(\w+)::NAME, \w+::propose", (files / "temperature.rs").read_text())
+    assert sorted(listed) == sorted(FORMS)

@@ -51,6 +51,14 @@ def test_two_link_into_one_program_and_both_selftests_pass(tmp_path: Path) -> No
         run(tmp_path / compiler)
 
 
+def test_the_arrays_of_the_selftest_clash_with_no_name(tmp_path: Path) -> None:
+    made = firmware.generate(Model("cramer"), temperature=HALF_DEGREES, name="vector")
+    made.save(tmp_path)
+    files = [tmp_path / path for path in made.files if path.endswith(("tion.c", "test.c"))]
+    for file in files:
+        run("gcc", "-std=c99", *STRICT, f"-I{tmp_path}", "-c", file, "-o", tmp_path / "object.o")
+
+
 def test_two_link_on_an_avr(tmp_path: Path) -> None:
     files = sources(tmp_path, *pair("avr"))
     places = (f"-I{tmp_path}", f"-I{tmp_path / 'selftest'}")
@@ -81,6 +89,12 @@ def test_a_named_function_is_measured_alike() -> None:
     )
     assert usual.report["measured"] == named.report["measured"] != []
     assert silicon.measure(named, "cortex-m0") == silicon.measure(usual, "cortex-m0")
+
+
+@pytest.mark.parametrize("name", ["class", "int", "match", "self", "test", "std", "math", "string"])
+def test_a_reserved_word_is_refused_with_the_way_out(name: str) -> None:
+    with pytest.raises(UsageError, match=f"is a word of a language or its library; add to it: {name}_1"):
+        firmware.generate(Model("cramer"), name=name)
 
 
 @pytest.mark.parametrize(

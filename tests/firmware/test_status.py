@@ -105,7 +105,7 @@ def test_the_vectors_have_every_status(humid: bool) -> None:
     every = {*range(6)} if humid else {*range(5)}
     assert set(statuses) == every
     text = packed.files["selftest/echocal_selftest.c"]
-    listed = text.partition("vector_status[VECTORS]")[2].partition("};")[0]
+    listed = text.partition("status_vectors[VECTORS]")[2].partition("};")[0]
     assert {int(word.strip("U,")) for word in listed.split() if word.strip("U,").isdigit()} == every
 
 

@@ -15,8 +15,11 @@ use echocal_core::{Conditions, Model, Quantity};
 /// Steps over the range of a quantity, and over that of the temperature. Set by hand: the effects are smooth.
 const STEPS: usize = 16;
 
-/// Distances at which an error is computed, as shares of the largest. Set by hand: most errors are largest at one end.
-const NEARER: [f64; 4] = [1.0, 0.5, 0.2, 0.05];
+/// Distances at which an error is computed, as shares of the largest, but none nearer than accepted. Set by hand: most
+/// errors are largest at one end.
+const NEARER: [f64; 5] = [1.0, 0.5, 0.2, 0.05, 0.0];
+/// The nearest, as a share of the largest, while echo times are not known.
+const NEAREST: f64 = 0.05;
 
 /// A model at the conditions that the device measures, the others frozen.
 #[derive(Clone, Debug)]
@@ -43,6 +46,7 @@ pub fn lower(
 ) -> Result<Lowered, Error> {
     let range = Range {
         conditions: &device.conditions,
+        shortest: Some(device.echo.value(device.echo.codes.minimum)),
         longest: device.echo.value(device.echo.codes.maximum),
         distance,
     };
@@ -62,6 +66,7 @@ pub fn lower_without_echo(
 ) -> Result<Lowered, Error> {
     let range = Range {
         conditions,
+        shortest: None,
         longest: f64::INFINITY,
         distance,
     };
@@ -71,7 +76,8 @@ pub fn lower_without_echo(
 /// Where costs are stated.
 struct Range<'a> {
     conditions: &'a [Axis],
-    /// Echo time \[s\].
+    /// Echo times \[s\].
+    shortest: Option<f64>,
     longest: f64,
     /// \[m\].
     distance: f64,
@@ -256,7 +262,11 @@ impl Lowered {
                     .fold(known, |at, quantity| in_field(at, *quantity, step));
                 let longest = settled.distance(range.longest, &at);
                 // At most the distance of the longest accepted echo; `min` ignores one that is not a number.
-                for far in NEARER.map(|share| share * range.distance.min(longest)) {
+                let most = range.distance.min(longest);
+                let near = range
+                    .shortest
+                    .map_or(NEAREST * most, |time| settled.distance(time, &at));
+                for far in NEARER.map(|share| (share * most).max(near)) {
                     let time = settled.time_of_flight(far, &at);
                     for step in steps(quantity.is_some()) {
                         let there = quantity.map_or(at, |quantity| in_field(at, quantity, step));

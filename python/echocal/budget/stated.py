@@ -146,9 +146,11 @@ def _known(name: str, value: Any) -> str:
 
 def _number(name: str, value: Any) -> tuple[str, float]:
     """Quantity and standard uncertainty [SI]."""
-    if name not in NAMES or NAMES[name][0].label or NAMES[name][0].quantity == "reference_distance":
-        names = [*_OTHERS, *(own for own, (form, _) in NAMES.items() if not form.label)]
-        known = among(name, names, "there are")
+    names = [
+        own for own, (form, _) in NAMES.items() if not form.label and form.quantity != "reference_distance"
+    ]
+    if name not in names:
+        known = among(name, [*_OTHERS, *names], "there are")
         message = f"{keyword('uncertainties', {name: value})} names no quantity with its unit{known}"
         raise UsageError(message)
     form, symbol = NAMES[name]

@@ -1,12 +1,13 @@
 """The page of a firmware: what was proven, what it costs, and the forms among which it was chosen."""
 
+import warnings
 from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
 from echocal.charts.parts import Axis, Chart, Line, Panel, span
-from echocal.errors import EchocalError
+from echocal.errors import DomainWarning, EchocalError
 from echocal.firmware import Firmware
 from echocal.model import Model
 from echocal.pages.considered import Considered
@@ -122,7 +123,9 @@ def _error(made: Firmware, model: Model, assumed: dict[str, float]) -> Chart | N
         for code, tone in zip(_codes(thermometer, _LINES), _TONES, strict=True):
             air = {one["quantity"]: one["zero"] + one["lsb"] * middle[one["quantity"]] for one in others}
             celsius = thermometer["zero"] + thermometer["lsb"] * int(code)
-            true = model.distance(echo * device["echo"]["lsb"], temperature=celsius, **{**assumed, **air})
+            with warnings.catch_warnings():  # `generate` has told it
+                warnings.simplefilter("ignore", DomainWarning)
+                true = model.distance(echo * device["echo"]["lsb"], temperature=celsius, **{**assumed, **air})
             out = made.outputs(echo, int(code), *middle.values()) * device["output"]["lsb"]
             inside = true <= most
             lines.append(Line(f"{celsius:g} degC", tone, true[inside], _MM * (out - true)[inside]))

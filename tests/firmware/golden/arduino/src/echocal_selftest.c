@@ -19,28 +19,28 @@
 #define VECTORS (27U)
 
 /** echo_us of each test vector. */
-static const uint16_t vector_echo_us[VECTORS] PROGMEM = {
+static const uint16_t echo_us_vectors[VECTORS] PROGMEM = {
     0U, 108U, 109U, 109U, 109U, 109U, 8430U, 8430U, 8430U, 8430U, 12590U, 12590U,
     12590U, 12590U, 16751U, 16751U, 16751U, 16751U, 23311U, 25071U, 25072U, 25072U, 25072U, 25072U,
     25073U, 35001U, 65535U
 };
 
 /** temperature_code of each test vector. */
-static const int16_t vector_temperature_code[VECTORS] PROGMEM = {
+static const int16_t temperature_code_vectors[VECTORS] PROGMEM = {
     40, 40, -40, 13, 66, 120, -40, 13, 66, 120, -32768, -41,
     121, 32767, -40, 13, 66, 120, 39, 39, -40, 13, 66, 120,
     40, 40, 40
 };
 
 /** distance of each test vector. */
-static const int32_t vector_distance[VECTORS] PROGMEM = {
+static const int32_t distance_vectors[VECTORS] PROGMEM = {
     INT32_MIN, INT32_MIN, 17390, 18277, 19121, 19938, 1344980, 1413572, 1478872, 1542031, INT32_MIN, INT32_MIN,
     INT32_MIN, INT32_MIN, 2672569, 2808867, 2938622, 3064124, 3998564, 4300459, 4000159, 4204163, 4398373, 4586217,
     INT32_MIN, INT32_MIN, INT32_MIN
 };
 
 /** status of each test vector. */
-static const uint8_t vector_status[VECTORS] PROGMEM = {
+static const uint8_t status_vectors[VECTORS] PROGMEM = {
     1U, 2U, 0U, 0U, 0U, 0U, 0U, 0U, 0U, 0U, 4U, 4U,
     4U, 4U, 0U, 0U, 0U, 0U, 0U, 0U, 0U, 0U, 0U, 0U,
     3U, 1U, 1U
@@ -51,10 +51,10 @@ uint16_t echocal_selftest(void)
     uint16_t wrong = 0U;
     uint16_t vector;
     for (vector = 0U; (vector < VECTORS) && (wrong == 0U); vector++) {
-        const uint16_t echo_us = (uint16_t)pgm_read_word(&vector_echo_us[vector]);
-        const int16_t temperature_code = (int16_t)pgm_read_word(&vector_temperature_code[vector]);
-        const int32_t distance = (int32_t)pgm_read_dword(&vector_distance[vector]);
-        const uint8_t status = (uint8_t)pgm_read_byte(&vector_status[vector]);
+        const uint16_t echo_us = (uint16_t)pgm_read_word(&echo_us_vectors[vector]);
+        const int16_t temperature_code = (int16_t)pgm_read_word(&temperature_code_vectors[vector]);
+        const int32_t distance = (int32_t)pgm_read_dword(&distance_vectors[vector]);
+        const uint8_t status = (uint8_t)pgm_read_byte(&status_vectors[vector]);
         if ((echocal_distance_um(echo_us, temperature_code) != distance) || (echocal_status(echo_us, temperature_code) != status)) {
             wrong = (uint16_t)(vector + 1U);
         }

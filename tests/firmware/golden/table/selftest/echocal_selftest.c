@@ -11,28 +11,28 @@
 #define VECTORS (27U)
 
 /** echo_us of each test vector. */
-static const uint16_t vector_echo_us[VECTORS] = {
+static const uint16_t echo_us_vectors[VECTORS] = {
     0U, 108U, 109U, 109U, 109U, 109U, 8430U, 8430U, 8430U, 8430U, 12590U, 12590U,
     12590U, 12590U, 16751U, 16751U, 16751U, 16751U, 24279U, 25047U, 25072U, 25072U, 25072U, 25072U,
     25073U, 35001U, 65535U
 };
 
 /** temperature_code of each test vector. */
-static const int16_t vector_temperature_code[VECTORS] = {
+static const int16_t temperature_code_vectors[VECTORS] = {
     40, 40, -40, 13, 66, 120, -40, 13, 66, 120, -32768, -41,
     121, 32767, -40, 13, 66, 120, -8, -8, -40, 13, 66, 120,
     40, 40, 40
 };
 
 /** distance of each test vector. */
-static const int32_t vector_distance[VECTORS] = {
+static const int32_t distance_vectors[VECTORS] = {
     INT32_MIN, INT32_MIN, 17390, 18277, 19121, 19938, 1344980, 1413539, 1478872, 1542064, INT32_MIN, INT32_MIN,
     INT32_MIN, INT32_MIN, 2672569, 2808802, 2938622, 3064189, 3994180, 4120525, 4000159, 4204065, 4398373, 4586315,
     INT32_MIN, INT32_MIN, INT32_MIN
 };
 
 /** status of each test vector. */
-static const uint8_t vector_status[VECTORS] = {
+static const uint8_t status_vectors[VECTORS] = {
     1U, 2U, 0U, 0U, 0U, 0U, 0U, 0U, 0U, 0U, 4U, 4U,
     4U, 4U, 0U, 0U, 0U, 0U, 0U, 0U, 0U, 0U, 0U, 0U,
     3U, 1U, 1U
@@ -43,10 +43,10 @@ uint16_t echocal_selftest(void)
     uint16_t wrong = 0U;
     uint16_t vector;
     for (vector = 0U; (vector < VECTORS) && (wrong == 0U); vector++) {
-        const uint16_t echo_us = vector_echo_us[vector];
-        const int16_t temperature_code = vector_temperature_code[vector];
-        const int32_t distance = vector_distance[vector];
-        const uint8_t status = vector_status[vector];
+        const uint16_t echo_us = echo_us_vectors[vector];
+        const int16_t temperature_code = temperature_code_vectors[vector];
+        const int32_t distance = distance_vectors[vector];
+        const uint8_t status = status_vectors[vector];
         if ((echocal_distance_um(echo_us, temperature_code) != distance) || (echocal_status(echo_us, temperature_code) != status)) {
             wrong = (uint16_t)(vector + 1U);
         }
