@@ -85,8 +85,8 @@ def expanded_uncertainty(
     offset, slope = _line(distance, total)
     if offset + slope * far > _LARGEST:
         message = (
-            f"the expanded uncertainty reaches {offset + slope * far:.3g} m, more than {_LARGEST:g} m, and the "
-            f"device's function cannot state it; give smaller {keyword('uncertainties')}"
+            f"the expanded uncertainty reaches {offset + slope * far:.3g} m, more than {_LARGEST:g} m, and "
+            f"the device's function cannot state it; give smaller {keyword('uncertainties')}"
         )
         raise UsageError(message)
     inner, outer = (rounded_up(report[name] * 1e3) for name in ("error_proven_m", "error_overall_m"))

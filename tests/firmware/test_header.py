@@ -68,6 +68,7 @@ def test_the_expanded_uncertainty_is_what_a_simulation_finds(random: np.random.G
         assert told == pytest.approx(COVERAGE * true.std(), rel=0.03)
 
 
+@pytest.mark.filterwarnings("ignore::echocal.DomainWarning")
 @pytest.mark.parametrize("assumed", [0.0, 0.5, 1.0])
 def test_the_expanded_uncertainty_covers_all_air(assumed: float, random: np.random.Generator) -> None:
     """What is not measured is drawn from its whole range, at all accepted temperatures, beyond 4 m, too."""
@@ -101,7 +102,12 @@ def test_the_expanded_uncertainty_covers_all_air(assumed: float, random: np.rand
 )
 def test_what_the_device_does_not_read_is_refused(name: str) -> None:
     with pytest.raises(echocal.UsageError, match="changes no distance of this device; leave it out"):
-        generated(uncertainties={name: "II" if name == "tape" else 3.0})
+        firmware.generate(
+            Model("cramer"),
+            temperature=(2.0, -20.0, 60.0),
+            max_error=2e-3,
+            uncertainties=[f"{name}={'II' if name == 'tape' else 3}"],
+        )
 
 
 @pytest.mark.parametrize("effect", ["unrecorded_humidity", "gas_composition"])
