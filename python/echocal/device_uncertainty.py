@@ -157,7 +157,9 @@ def _conditions(
     tried = []
     for axis in axes:
         ends = sorted(axis["zero"] + axis["lsb"] * code for code in axis["codes"].values())
-        tried.append(np.linspace(*ends, _PLACES if axis["quantity"] == "temperature" else 3).tolist())
+        tried.append(
+            np.linspace(ends[0], ends[1], _PLACES if axis["quantity"] == "temperature" else 3).tolist()
+        )
     names = [axis["quantity"] for axis in axes]
     return [values | dict(zip(names, own, strict=True)) for own in itertools.product(*tried)]
 
