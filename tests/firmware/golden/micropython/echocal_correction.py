@@ -11,8 +11,8 @@ Assumed values of the conditions that the device does not measure:
   pressure 101325 Pa: up to 0.3 mm if it is anywhere in 80000 .. 106000 Pa
   co2_mole_fraction 0.0004: up to 1.8 mm if it is anywhere in 0.0003 .. 0.002
 
-Expanded uncertainty of an output (95 %, 1.96 standard uncertainties, JCGM 100:2008), at 20 degC or the nearest
-accepted temperature:
+Expanded uncertainty of an output (at least 95 %, 1.96 standard uncertainties, JCGM 100:2008), at the accepted
+conditions where it is largest:
 - at 0.5 m: 17.572 mm
 - at 1.0 m: 35.139 mm
 - at 2.0 m: 70.276 mm
