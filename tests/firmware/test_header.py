@@ -15,6 +15,7 @@ from echocal.cli import main
 from echocal.device_uncertainty import COVERAGE, rounded_up
 from echocal.firmware import EchoCodes, Firmware
 from echocal.model import ResidualUncertainty
+from echocal.registry import find_effect
 
 HALF_DEGREES = (0.5, -20.0, 60.0)
 HEADER = "echocal_correction.h"
@@ -49,7 +50,7 @@ def generated(**request: object) -> Firmware:
 
 def test_the_expanded_uncertainty_is_what_a_simulation_finds(random: np.random.Generator) -> None:
     """Parameters, thermometer, assumed values, steps of codes and the residual, drawn for 20,000 devices."""
-    made, count = generated(), 20_000
+    made, count = generated(temperature=(0.5, 20.0, 20.0)), 20_000
     delay, scale = random.multivariate_normal([DELAY * 1e6, SCALE], [[16.0, -0.4], [-0.4, 0.04]], count).T
     warm = 20.0 + random.normal(0.0, SIGMAS["thermometer"], count) + random.uniform(-0.25, 0.25, count)
     damp = 0.5 + random.normal(0.0, SIGMAS["humidity"], count)
@@ -65,6 +66,66 @@ def test_the_expanded_uncertainty_is_what_a_simulation_finds(random: np.random.G
         true = heard * (speed[0] + scale * (speed[1] - speed[0]))
         true += random.normal(0.0, SIGMAS["residual"], count)
         assert told == pytest.approx(COVERAGE * true.std(), rel=0.03)
+
+
+@pytest.mark.filterwarnings("ignore::echocal.DomainWarning")
+@pytest.mark.parametrize("assumed", [0.0, 0.5, 1.0])
+def test_the_expanded_uncertainty_covers_all_air(assumed: float, random: np.random.Generator) -> None:
+    """What is not measured is drawn from its whole range, at all accepted temperatures, beyond 4 m, too."""
+    model, count = Model("cramer"), 4000
+    made = firmware.generate(
+        model, temperature=(2.0, -20.0, 60.0), assume={"relative_humidity": assumed}, max_error=2e-3
+    )
+    told = made.report["expanded_uncertainty"]
+    for warm in (-20, 0, 20, 40, 60):
+        for distance in (0.5, 2.0, 4.0, 4.4):
+            air = {
+                "temperature": warm + random.uniform(-1.0, 1.0, count),
+                "relative_humidity": random.uniform(0.0, 1.0, count),
+                "pressure": random.uniform(8e4, 1.06e5, count),
+                "co2_mole_fraction": random.uniform(3e-4, 2e-3, count),
+            }
+            echo = np.rint(1e6 * np.asarray(model.time_of_flight(distance, **air))).astype(int)
+            codes = made.report["device"]["echo"]["codes"]
+            echo = np.where(echo <= codes["maximum"], echo, -1)
+            kept = echo >= 0
+            if kept.sum() < count:  # part of the air is out of reach
+                continue
+            error = np.abs(made.distance_um(echo[kept], warm // 2) * 1e-6 - distance)
+            assert np.mean(error <= told["offset"] + told["slope"] * distance) >= 0.94
+            own = dict(map(tuple, told["expanded"])).get(distance)
+            assert own is None or np.mean(error <= own) >= 0.94
+
+
+@pytest.mark.parametrize(
+    "name", ["reading_mm", "resolution_mm", "thermometer_C", "wind_m_s", "level_m", "tape"]
+)
+def test_what_the_device_does_not_read_is_refused(name: str) -> None:
+    with pytest.raises(echocal.UsageError, match="changes no distance of this device; leave it out"):
+        firmware.generate(
+            Model("cramer"),
+            temperature=(2.0, -20.0, 60.0),
+            max_error=2e-3,
+            uncertainties=[f"{name}={'II' if name == 'tape' else 3}"],
+        )
+
+
+@pytest.mark.parametrize("effect", ["unrecorded_humidity", "gas_composition"])
+def test_what_an_effect_replaces_is_left_out(effect: str) -> None:
+    (parameter,) = find_effect(effect).parameters
+    model = Model("cramer", {effect: {parameter.name: 0.3}})
+    made = firmware.generate(model, temperature=(2.0, -20.0, 60.0), max_error=2e-3)
+    assert made.report["expanded_uncertainty"]["expanded"]
+
+
+def test_a_short_reach_has_an_uncertainty_too() -> None:
+    made = firmware.generate(
+        Model("cramer"), temperature=(2.0, -20.0, 60.0), max_error=2e-3, max_distance=0.3
+    )
+    ((distance, size),) = made.report["expanded_uncertainty"]["expanded"]
+    assert distance == 0.3
+    assert size > 0.0
+    assert "echocal_uncertainty_um" in made.files[HEADER]
 
 
 def test_the_device_has_that_uncertainty(tmp_path: Path) -> None:

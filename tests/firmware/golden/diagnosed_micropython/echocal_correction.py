@@ -19,21 +19,21 @@ Assumed values of the conditions that the device does not measure:
   pressure 101325 Pa: up to 0.3 mm if it is anywhere in 80000 .. 106000 Pa
   co2_mole_fraction 0.0004: up to 1.8 mm if it is anywhere in 0.0003 .. 0.002
 
-Expanded uncertainty of an output (95 %, 1.96 standard uncertainties, JCGM 100:2008), at 20 degC or the nearest
-accepted temperature:
-- at 0.5 m: 1.108 mm
-- at 1.0 m: 2.206 mm
-- at 2.0 m: 4.406 mm
-- at 4.0 m: 8.809 mm
+Expanded uncertainty of an output (at least 95 %, 1.96 standard uncertainties, JCGM 100:2008), at the accepted
+conditions where it is largest:
+- at 0.5 m: 17.57 mm
+- at 1.0 m: 35.138 mm
+- at 2.0 m: 70.275 mm
+- at 4.0 m: 140.549 mm
 It includes:
 - the law published; the model does not state the repeatability of a reading, so the uncertainty is without it
 - echo times in steps of 1 us
-- temperature in steps of 0.5 degC
+- temperature in steps of 0.5 degC; the uncertainty is largest at 60 degC
 - co2_mole_fraction, assumed 0.0004, anywhere in 0.0003 .. 0.002
 - pressure, assumed 101325 Pa, anywhere in 80000 .. 106000 Pa
 - relative_humidity, assumed 0, anywhere in 0 .. 1
 - nothing of the error of the thermometer itself: state it to include it
-- the arithmetic, anywhere within 0.0656 mm
+- the arithmetic, anywhere within 0.0656 mm; 0.0737 mm beyond 4 m
 
 Reach: distances from 0.02 to 4.0 m are accepted in all conditions, from 0.017 to 4.587 m in some.
 
