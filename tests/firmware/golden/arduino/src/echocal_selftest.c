@@ -89,10 +89,14 @@ static void append(uint16_t hash[4], int32_t distance)
 uint64_t echocal_output_hash(void)
 {
     const uint64_t prime = 0x1FFFFFFFFFFFFFFFU;
-    uint16_t digits[4] = {0U, 0U, 0U, 0U};
+    uint16_t digits[4];
     uint64_t hash;
     uint32_t echo_us;
     int32_t temperature_code;
+    digits[0] = 0U; /* one by one: an initializer may become a call of memset */
+    digits[1] = 0U;
+    digits[2] = 0U;
+    digits[3] = 0U;
     for (temperature_code = -40; temperature_code <= 120; temperature_code++) {
         for (echo_us = 109U; echo_us <= 25072U; echo_us++) {
             append(digits, echocal_distance_um((uint16_t)echo_us, (int16_t)temperature_code));
