@@ -182,6 +182,8 @@ def firmware_request() -> dict[str, Any]:
         "diagnosis": [],
         "model_hash": "0" * 64,
         "standard_uncertainty": [(0.5, 0.001), (2.0, 0.002)],
+        "fitted": [],
+        "outside_domain": [],
     }
 
 
@@ -190,6 +192,7 @@ _TEXTS = ("core", "compiler", "options", "simulator")
 _COUNTS = ("flash_bytes", "own_flash_bytes", "ram_bytes", "stack_bytes")
 _STEPS = ("cycles", "fewest_cycles", "instructions", "fewest_instructions")
 MEASURED = {**dict.fromkeys(_TEXTS, "x"), **dict.fromkeys(_COUNTS, 100), **dict.fromkeys(_STEPS, 50)}
+STATED: dict[str, Any] = {"includes": ["x"], "expanded": [(1.0, 0.01)], "offset": 1e-3, "slope": 1e-3}
 
 
 def batch(name: str, inputs: int, *, law: bool = True) -> Callable[[], Call]:
@@ -266,7 +269,7 @@ CALLS: dict[str, Callable[[], Call]] = {
     "Sums.whiten": lambda: Call(whiten, [[(1, 0.5, 0.1, 0.7, -1.0)], [True, True]]),
     "Sums.joined": of_sums("joined", sums),
     "Sums.without_infinite": of_sums("without_infinite"),
-    "Firmware.files": lambda: Call(_FIRMWARE.files, [[MEASURED]]),
+    "Firmware.files": lambda: Call(_FIRMWARE.files, [[MEASURED], STATED]),
     "Firmware.ranked_by": lambda: Call(_FIRMWARE.ranked_by, []),
     "Firmware.steps": lambda: Call(_FIRMWARE.steps, []),
     "Firmware.evaluate": lambda: Call(

@@ -2,6 +2,7 @@
 
 import tempfile
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -21,8 +22,8 @@ _ECHOES = (4.0, 25_600.0)  # tick and longest echo [us]
 _THERMOMETER = "TMP36"  # of the example sketch
 
 
-def package_of(model: Model, part: str, *, humidity: bool) -> Firmware:
-    """Generate the library and its example sketch.
+def package_of(model: Model, part: str, *, humidity: bool, **request: Any) -> Firmware:
+    """Generate the library and its example sketch; `request` is for `firmware.generate`.
 
     Raises
     ------
@@ -40,8 +41,9 @@ def package_of(model: Model, part: str, *, humidity: bool) -> Firmware:
             temperature=_COARSE,
             humidity=_HUMIDITIES,
             echo=EchoCodes(*_ECHOES),
+            **request,
         )
-    return generate(model, "avr", package="arduino", temperature=_FINE)
+    return generate(model, "avr", package="arduino", temperature=_FINE, **request)
 
 
 def compile_package(made: Firmware) -> Sketch:
