@@ -102,19 +102,23 @@ def base() -> Firmware:
     return library(BASE)
 
 
+def refused(model: echocal.Model) -> list[str]:
+    """Name the effects of a model that have no form in C."""
+    return [name for name in model.effects if find_effect(name).firmware == "refused"]
+
+
 def library(model: echocal.Model, far: float = FAR[1], **bound: float) -> Firmware:
     """Generate the Arduino library of a model, without the effects that have no form in C; it is proven."""
-    refused = [name for name in model.effects if find_effect(name).firmware == "refused"]
     with warnings.catch_warnings(action="ignore"):  # of what the model assumes: it is recorded here
-        return package_of(model, "TMP36", humidity=True, accept=refused, max_distance=far, **bound)
+        return package_of(model, "TMP36", humidity=True, accept=refused(model), max_distance=far, **bound)
 
 
 def shipped(model: echocal.Model, far: float) -> Firmware:
     """Generate the library within the usual bound, or within the least that the refusal names."""
     try:
         return library(model, far)
-    except BoundError as refused:
-        least = re.search(r"ask for ([\d.]+) mm", str(refused))
+    except BoundError as told:
+        least = re.search(r"ask for ([\d.]+) mm", str(told))
         if least is None:
             raise
         return library(model, far, max_error=1e-3 * float(least[1]))
@@ -138,12 +142,15 @@ def loop(device: Device) -> dict[str, Any]:
     model = diagnosis.model
     fresh = rows(device, _SECOND, TESTED)
     study = echocal.emulate("study", fresh, seed=device.seed)
-    before, after = measured(base(), device, fresh), measured(shipped(model, device.trained), device, fresh)
+    made = shipped(model, device.trained)
+    before, after = measured(base(), device, fresh), measured(made, device, fresh)
     return {
         "title": device.title,
         "trained_to_m": device.trained,
         "verdict": diagnosis.verdict,
         "effects": {name: dict(sizes) for name, sizes in model.effects.items()},
+        "bound_mm": round(1e3 * made.report["error_proven_m"], 4),
+        "left_out": refused(model),
         "twin": _twin(after),
         "study": _errors(study, None),
         "before": _errors(before, BASE),
@@ -166,8 +173,8 @@ def _everywhere(device: Device, before: Emulation) -> dict[str, Any]:
     try:
         library(model)
         best = None
-    except BoundError as refused:
-        told = re.search(r"best reachable is ([\d.]+) mm", str(refused))
+    except BoundError as error:
+        told = re.search(r"best reachable is ([\d.]+) mm", str(error))
         best = float(told[1]) if told else math.nan
     return {
         "best_error_mm": best,

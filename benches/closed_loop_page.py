@@ -150,8 +150,12 @@ def _models(devices: Record) -> str:
             for name, own in one["effects"].items()
         ]
         equal, rows_told = one["twin"]
-        rows.append([one["title"], one["verdict"], ", ".join(sizes) or "none", f"{equal} of {rows_told}"])
-    heads = ["device", "verdict", "effects in the model", "rows equal to the twin"]
+        less = "".join(f", without `{name}`" for name in one["left_out"])
+        bound = f"{one['bound_mm']:.2g} mm{less}"
+        rows.append(
+            [one["title"], one["verdict"], ", ".join(sizes) or "none", bound, f"{equal} of {rows_told}"]
+        )
+    heads = ["device", "verdict", "effects in the model", "C within", "rows equal to the twin"]
     return f"""## What was diagnosed and shipped
 
 {_table(heads, rows, 0)}"""
