@@ -37,7 +37,7 @@ def test_a_firmware_says_what_is_proven_and_why_it_was_chosen(made: Firmware, pa
     text = Text(page).seen
     report = made.report
     assert f"at most {1e3 * report['error_proven_m']:.4f} mm" in text
-    assert f"All {report['inputs_checked']:,} inputs" in text
+    assert f"each of the {report['inputs_checked']:,} inputs" in text
     assert "least flash, by the cost model" in text
     assert report["provenance"]["command"] in text
 
