@@ -2,8 +2,8 @@
 
 import io
 import json
-import re
 import pickle
+import re
 from collections.abc import Callable
 from pathlib import Path
 
