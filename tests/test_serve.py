@@ -212,7 +212,8 @@ def test_a_phone_from_a_log_to_its_c(address: str, random: np.random.Generator, 
     assert said == []
     assert {url for url in asked if not url.startswith((address, "data:", "blob:", "about:"))} == set()
     (tmp_path / "model.json").write_bytes(taken["model.json"])
-    assert {"zero_error", "fixed_delay"} & set(echocal.Model.load(tmp_path / "model.json").effects)  # which of the two is a draw
+    effects = echocal.Model.load(tmp_path / "model.json").effects
+    assert {"zero_error", "fixed_delay"} & set(effects)  # which of the two is a draw
     assert b"corrected_distance_m" in taken["corrected.csv"].splitlines()[0]
     assert b"<title>echocal: my log.csv" in taken["report.html"]
     assert zipfile.is_zipfile(io.BytesIO(taken["firmware.zip"]))
