@@ -80,7 +80,8 @@ def test_drawn_values_are_those_of_the_table(run: Run) -> None:
     assert drawn.y == pytest.approx(reading, rel=1e-5)
     (alone, *_) = [one for one in drawn_in(written(run, "several tables"), 0) if one.name == "a, alone"]
     offset = 1e3 * (reading - pd.read_csv("a.csv")["distance_m"]).mean()
-    assert alone.y == pytest.approx([offset], abs=1.0)
+    delay = 2e3 * offset / 343.0  # us: which of the two is named is a draw
+    assert alone.y == pytest.approx([offset], abs=1.0) or alone.y == pytest.approx([delay], abs=6.0)
 
 
 @pytest.mark.slow
