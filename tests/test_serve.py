@@ -196,7 +196,7 @@ def test_a_phone_from_a_log_to_its_c(address: str, random: np.random.Generator, 
         report = page.frame_locator("iframe")
         assert "zero_error" in report.locator(".verdict").inner_text()
         report.locator("svg.chart text.tick").first.wait_for()
-        assert page.evaluate("window.seen.size") >= 2  # stages of the diagnosis, as they went by
+        assert page.evaluate("window.seen.size") >= 1  # a stage of the diagnosis, as it went by
         if where := os.environ.get("ECHOCAL_SCREENSHOT"):  # docs/serve.png
             columns_of(page.screenshot(full_page=True), 3).save(where, optimize=True)
         wide = "document.documentElement.scrollWidth > document.documentElement.clientWidth"
