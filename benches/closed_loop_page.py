@@ -28,7 +28,10 @@ _STAGES = {"study": "the study's sketch", "before": "law `virial`", "after": "la
 _REACH = 2.0  # m
 _THERE = {
     "ideal": ("dispersion",),
-    "comparator": ("dispersion", "zero_error", "fixed_delay", "amplitude_walk", "cycle_slip", "noise_growth"),
+    "comparator": (
+        *("dispersion", "zero_error", "fixed_delay", "amplitude_walk", "receiver_recovery"),
+        *("cycle_slip", "noise_growth"),
+    ),
 }
 """Causes that the air and the module of a device have; its thermometer and its hygrometer are ideal."""
 _FROM = 0.5  # m: an error of a few millimeters is a large share of less

@@ -12,6 +12,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 from typer.testing import CliRunner
 
@@ -244,3 +245,15 @@ def test_help_does_not_give_linear_another_line(run: Run) -> None:
     said = " ".join(run("diagnose", "--help")[1].split())
     assert "linear: 331.4+0.6*T" in said
     assert "331.3+0.606*T (linear" not in said
+
+
+def test_a_column_in_another_unit_is_to_be_mended_and_not_corrected(run: Run) -> None:
+    """Before, it proposed a `correct` that is refused, and said "None of 27 rows can be used"."""
+    table = pd.read_csv(Path(__file__).parents[1] / "examples" / "study_table2.csv", comment="#")
+    table["reading_m"] *= 1000.0
+    table.to_csv("mm.csv", index=False)
+    code, said = run("mm.csv")
+    assert (code, "unit_mixup" in said) == (0, True), said
+    assert "mend the program or the table" in " ".join(said.split())
+    assert "echocal correct" not in said
+    assert "None" not in said

@@ -10,7 +10,7 @@ from rich.text import Text
 
 from echocal.cli._console import Console
 from echocal.diagnose import Diagnosis
-from echocal.diagnose.results.brief import brief
+from echocal.diagnose.results.brief import brief, column_fault
 from echocal.diagnose.results.explain import further_notes
 from echocal.keywords import command_line
 from echocal.registry import find_effect
@@ -95,7 +95,8 @@ def follow_up(diagnosis: Diagnosis, log: Path, model: Path, reading: Mapping[str
         return {**details, **corrects}
     c = {"write the correction as C for a microcontroller": _firmware(diagnosis, model, f"{name}-firmware")}
     inputs = any(find_effect(id_).firmware == "needs" for id_ in diagnosis.model.effects)
-    return {"correct the log": corrected, **({} if inputs else c), **details}
+    corrects = {} if column_fault(diagnosis) else {"correct the log": corrected}
+    return {**corrects, **({} if inputs else c), **details}
 
 
 def without_evidence(commands: Mapping[str, str]) -> dict[str, str]:

@@ -276,7 +276,8 @@ def _has(found: Inspection, known: _Answers, quantity: str) -> bool:
 
 def _read_as(found: Inspection) -> str:
     held = [f"{c.name} as {c.proposal.request}" for c in found.columns if _held(c.proposal.request)]
-    return f"{', '.join(held)}; {found.usable} of {found.rows} rows can be used"
+    usable = "" if found.usable is None else f"; {found.usable} of {found.rows} rows can be used"
+    return f"{', '.join(held)}{usable}"
 
 
 def _held(request: str) -> bool:

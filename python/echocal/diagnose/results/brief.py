@@ -10,7 +10,7 @@ from echocal.diagnose.preprocess.moving import without_movement
 from echocal.diagnose.results.explain import EVEN, good_enough_text, proposal_text, rivals_of
 from echocal.diagnose.results.outcome import Outcome
 
-__all__ = ["Brief", "brief"]
+__all__ = ["Brief", "brief", "column_fault"]
 
 _SHOWN = 3  # causes in one line
 _LEAST = 1e-6  # m: no ultrasonic sensor shows less
@@ -151,10 +151,10 @@ def _next(diagnosis: Outcome) -> str:
         return "nothing to correct."
     if diagnosis.moved:
         return f"{without_movement()}."
+    if diagnosis.verdict == "named" and column_fault(diagnosis):
+        return "mend the program or the table; the diagnosis has put it right for itself only."
     if _named(diagnosis) and diagnosis.model.effects:
         return "correct the readings with this model."
-    if diagnosis.verdict == "named" and any(cause.kind == "gross" for cause in _spoiling(diagnosis)):
-        return "mend the program or the table; the diagnosis has put it right for itself only."
     if diagnosis.next_measurements:
         return f"{proposal_text(diagnosis.next_measurements[0])}."
     if diagnosis.unexplained is not None:
@@ -176,6 +176,11 @@ def _named(diagnosis: Outcome) -> list[Cause]:
 def _spoiling(diagnosis: Outcome) -> list[Cause]:
     """Faults of rows and columns that are more probable than not."""
     return [c for c in diagnosis.causes if c.kind in ("row", "gross") and c.probability >= EVEN]
+
+
+def column_fault(diagnosis: Outcome) -> bool:
+    """Whether a whole column is wrong: a model does not mend it, and corrects the mended log alone."""
+    return any(cause.kind == "gross" for cause in _spoiling(diagnosis))
 
 
 def _name(cause: Cause) -> str:
