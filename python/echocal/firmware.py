@@ -58,6 +58,7 @@ def generate(
     n_threads: int | None = None,
     progress: Progress | None = None,
     model_name: str = "MODEL.json",
+    recorded: Mapping[str, Any] | None = None,
 ) -> Firmware:
     """Design the cheapest integer function that follows a model, and prove it on every input.
 
@@ -117,6 +118,8 @@ def generate(
         Called with the form in words, the number of checked inputs and the number of all inputs.
     model_name : str
         Name of the model file in the command that the files record.
+    recorded : mapping of str to object, optional
+        Options of that command which differ from this request: the request of `echocal.per_unit`.
 
     Returns
     -------
@@ -181,7 +184,7 @@ def generate(
     request["echo"] = times.codes
     texts = _texts(uncertainties)
     known = Uncertainties.of(texts)
-    request["command"] = _command(request, model_name, assume, texts, measure)
+    request["command"] = _command(request, model_name, assume, texts, measure, recorded or {})
     try:
         core = _core.design_firmware(model._core, request, progress)
     except BoundError as error:
@@ -303,13 +306,12 @@ def _command(
     assume: Mapping[str, float],
     uncertainties: list[str],
     measure: bool,
+    recorded: Mapping[str, Any],
 ) -> str:
     """Return the command line that makes the same files again."""
     tick, shortest, longest = request["echo"]
     package, unit = request["package"], request["output_unit"]
-    return command_line(
-        "firmware",
-        model_name,
+    options: dict[str, Any] = dict(
         target=request["target"],
         **_codes("temperature", request["temperature"]),
         **_codes("humidity", request["humidity"]),
@@ -330,6 +332,7 @@ def _command(
         measure=measure,
         out="firmware",
     )
+    return command_line("firmware", model_name, **{**options, **recorded})
 
 
 def _millimeters(size: float) -> float:
