@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from test_misra import findings
 from toolchain import HERE, STRICT, run
 
 from echocal import Model
@@ -297,6 +298,16 @@ def test_the_files_tell_what_is_proven() -> None:
     command = packed.report["provenance"]["command"]
     assert "--per-unit fixed_delay=0:8.1e-05 --per-unit clock_error=-0.0019:0.0019" in command
     assert "--max-error-mm 0.1 --max-distance-m 4 " in command
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["whole codes", "avr fractions", "delay alone", "clock alone"])
+def test_misra_finds_only_the_deviations_that_the_header_tells(name: str, tmp_path: Path) -> None:
+    packed = made(name)
+    found = findings(packed, tmp_path, "echocal_unit.c")
+    told = "2.5, 8.7: the macros and the functions are for the caller"
+    assert told in packed.files["echocal_unit.h"]
+    assert {rule for file, rule in found if file.startswith("echocal_unit")} == {"2.5", "8.7"}
 
 
 def test_what_cannot_be_is_refused_with_the_way_out() -> None:

@@ -177,6 +177,8 @@ def command(
                 if per_unit
                 else generate(followed, target, **one, **request)
             )
+            if isinstance(made, UnitFirmware):
+                followed = made.box.least(followed)  # the model of the function that is on the page
             if page is not None:
                 forms = considered(followed, target, prefer=saved, progress=tell, **request)
     if explore:
