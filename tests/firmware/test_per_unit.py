@@ -300,6 +300,31 @@ def test_the_files_tell_what_is_proven() -> None:
     assert "--max-error-mm 0.1 --max-distance-m 4 " in command
 
 
+def test_a_hygrometer_is_passed_on(tmp_path: Path, random: np.random.Generator) -> None:
+    codes = {"temperature": (4.0, -20.0, 32.0), "humidity": (0.25, 0.0, 1.0)}
+    packed = generate_per_unit(Model("cramer"), BOTH, "avr", max_error=0.6e-3, **codes)
+    packed.save(tmp_path)
+    source = tmp_path / "echocal_unit.c"
+    for compiler in ("gcc", "clang"):
+        run(compiler, "-std=c99", "-O2", *STRICT, f"-I{tmp_path}", "-c", source, "-o", tmp_path / "unit.o")
+    arguments = "uint16_t echo_us, int16_t temperature_code, uint8_t humidity_code, const echocal_unit *unit"
+    assert f"int32_t echocal_unit_distance_um({arguments});" in packed.files["echocal_unit.h"]
+    delay, clock = (side.parameter for side in packed.box.sides)
+    bound = packed.report["per_unit"]["error_proven_m"]
+    for late, fast in corners_and_inside(packed, random):
+        echo = random.integers(300, 23_000, 4_000)
+        warm, damp = random.integers(-5, 9, 4_000), random.integers(0, 5, 4_000)
+        own = {"fixed_delay": {"delay": late}, "clock_error": {"frequency_error": fast}}
+        truth = Model("cramer", own).distance(
+            echo * 1e-6, temperature=warm * 4.0, relative_humidity=damp * 0.25
+        )
+        stored = {"delay": delay.stored(late), "rate": clock.stored(fast)}
+        found = packed.unit_outputs(echo, warm, damp, **stored)
+        within = truth < 4.0
+        assert (found != OUT_OF_RANGE)[within & (truth > 0.03)].all()
+        assert np.abs(found * 1e-6 - truth)[within & (found != OUT_OF_RANGE)].max() <= bound
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["whole codes", "avr fractions", "delay alone", "clock alone"])
 def test_misra_finds_only_the_deviations_that_the_header_tells(name: str, tmp_path: Path) -> None:
