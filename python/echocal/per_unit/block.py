@@ -54,7 +54,7 @@ class Block:
         Examples
         --------
         >>> Block(7, 992, -105).to_bytes().hex(" ")
-        '01 00 07 00 00 00 e0 03 97 ff 31 69'
+        '01 00 07 00 00 00 e0 03 97 ff 52 0b'
         """
         fields = _FIELDS.pack(VERSION, 0, self.number, self.delay, self.rate)
         return fields + _CHECK.pack(crc16(fields))
