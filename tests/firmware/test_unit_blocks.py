@@ -169,12 +169,12 @@ def test_an_earlier_folder_is_replaced_as_a_whole_and_nothing_else_is(
     write_units(folder, out)
     assert {path.stem for path in out.glob("*.bin")} == {*models} - {"unit_00003"}
     (out / "mine.txt").write_text("precious")
-    with pytest.raises(UsageError, match=r"has mine.txt, which no earlier run made.*force=True"):
+    with pytest.raises(UsageError, match=r"has mine.txt, which no earlier run made.*move that file"):
         write_units(folder, out)
     with pytest.raises(UsageError, match="holds the models of the units"):
-        write_units(folder, folder, force=True)
+        write_units(folder, folder)
     with pytest.raises(UsageError, match="holds the models of the units"):
-        write_units(folder, folder.parent, force=True)
+        write_units(folder, folder.parent)
     assert (out / "mine.txt").read_text() == "precious"
 
 

@@ -59,7 +59,7 @@ def run(asked: Blocks, out: Path, report: str | None, console: Console, *, force
     if asked.unit is not None:
         found = _one(asked, asked.unit, model, out, console, force=force)
     else:
-        found = _many(asked, model, out, console, force=force, quiet=quiet)
+        found = _many(asked, model, out, console, quiet=quiet)
     pass_on(json.dumps({"schema": _SCHEMA, **found}, indent=2) + "\n", report)
     if found["refused"]:
         message = (
@@ -90,12 +90,10 @@ def _one(
     return {"units": 1, "refused": {}, "number": block.number, "block": block.to_bytes().hex(), **values}
 
 
-def _many(
-    asked: Blocks, model: Model | None, out: Path, console: Console, *, force: bool, quiet: bool
-) -> dict[str, Any]:
+def _many(asked: Blocks, model: Model | None, out: Path, console: Console, *, quiet: bool) -> dict[str, Any]:
     folder = asked.units or Path()
     with counted_bar(quiet, "writing blocks") as tell:
-        done = write_units(folder, out, model=model, per_unit=asked.per_unit, force=force, progress=tell)
+        done = write_units(folder, out, model=model, per_unit=asked.per_unit, progress=tell)
     console.print(f"written: {done.written} blocks and [cyan]{escape(str(out / TABLE))}[/]")
     _tell_uncompared(model, console)
     _tell_refused(done.refused, console)

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from echocal.errors import DataError, EchocalError, UsageError, writing
-from echocal.keywords import exact, keyword
+from echocal.keywords import exact
 from echocal.model import Model
 from echocal.outputs import spreadsheet_safe
 from echocal.per_unit.block import Block
@@ -137,7 +137,6 @@ def write_units(
     *,
     model: Model | None = None,
     per_unit: Iterable[str] | Mapping[str, tuple[float, float]] = (),
-    force: bool = False,
     progress: Progress | None = None,
 ) -> Written:
     """Write a block for each model file of a folder, and a table of all.
@@ -149,14 +148,12 @@ def write_units(
     units : path
         Folder with a file ``*.json`` for each unit. The digits at the end of a name are the unit's number.
     out : path
-        Folder to make. An earlier one of this function is replaced.
+        Folder to make. An earlier one of this function is replaced; one with other files is refused.
     model : Model, optional
         Model of the firmware; default: the first unit's.
     per_unit : iterable of str, or mapping
         Box of the firmware, as of `generate_per_unit`. Default: with `model` the default box of both
         parameters, without it all that a model can hold.
-    force : bool
-        Whether another folder at `out` may be replaced.
     progress : callable, optional
         Called with the number of files done and of all.
 
@@ -170,7 +167,7 @@ def write_units(
     folder, target = Path(units), Path(out)
     files = _files(folder)
     numbers = _numbers(files)
-    _refuse_target(target, folder, force=force)
+    _refuse_target(target, folder)
     rows = []
     box = None if model is None else _box(model, per_unit)
     unfinished = target.with_name(f".{target.name}.{secrets.token_hex(8)}.unfinished")
@@ -251,11 +248,11 @@ def _numbers(files: list[Path]) -> dict[Path, int]:
     return numbers
 
 
-def _refuse_target(target: Path, units: Path, *, force: bool) -> None:
+def _refuse_target(target: Path, units: Path) -> None:
     if target.resolve() == units.resolve() or target.resolve() in units.resolve().parents:
         message = f"{target} holds the models of the units: give another folder for the blocks"
         raise UsageError(message)
-    if not target.exists() or force:
+    if not target.exists():
         return
     if not target.is_dir():
         message = f"{target} is no folder; choose another name"
@@ -263,8 +260,8 @@ def _refuse_target(target: Path, units: Path, *, force: bool) -> None:
     others = sorted(set(_found(target)) - set(_known(target)))
     if others:
         message = (
-            f"{target} has {others[0]}, which no earlier run made: choose another folder, or replace it with "
-            f"{keyword('force', True)}"
+            f"{target} has {others[0]}, which no earlier run made, and the folder is replaced as a whole: "
+            "choose another folder, or move that file"
         )
         raise UsageError(message)
 
