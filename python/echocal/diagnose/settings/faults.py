@@ -47,6 +47,11 @@ class Outliers:
         "one table in so many with such a fault has one such row; with odd rows, one in two; of k rows, the "
         "first are as 1 / k, the others as 1 / k (k + 1); judgement",
     )
+    tail: float = threshold(
+        0.5,
+        "1",
+        "of that limit: rows between the two, on both sides, say how heavy the tails are; judgement",
+    )
     moved_rows: float = threshold(50, "1", "rows on each side of a moment when the sensor moved; judgement")
     moved_distances: float = threshold(10, "1", "fewest distances of these rows; judgement")
     moved_distances_per_row: float = threshold(

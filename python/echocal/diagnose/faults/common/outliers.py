@@ -72,11 +72,13 @@ def _moved(view: View, rows: NDArray[np.bool_], sign: int, settings: Outliers) -
 def count_evidence(view: View, rows: NDArray[np.bool_], settings: FaultSettings) -> float:
     """Log Bayes factor of a fault that hits some percent of the rows, against heavy tails and odd rows.
 
-    Rows that are odd for a reason outside the catalogue are on either side, off by any order of magnitude.
+    Tails have two sides, and more rows that are somewhat less far off. Rows that are odd for a reason
+    outside the catalogue are on either side, and off by any order of magnitude.
     """
     own, count, total = settings.outliers, int(rows.sum()), int(view.good.sum())
     off = view.deviation / limit_of(view.scatter, view.expected, settings.far)
-    chance = 0.5 * chance_far(view, settings.far)
+    tail = min(int((view.good & (side * off > own.tail) & (side * off <= 1.0)).sum()) for side in (-1, 1))
+    chance = max(0.5 * chance_far(view, settings.far), tail)
     usual = max(own.usual * total + 0.5, chance)
     against_tails = min(count * np.log(max(usual, 1.0) / chance) - (usual - chance), settings.cap)
     odd = np.log(own.odd) - _against_odd(view, rows, off, own) - np.log((count + 1) / own.alone)
