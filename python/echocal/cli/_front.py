@@ -99,7 +99,7 @@ def command(
         raise UsageError(message)
     page, model, toml = (out / f"{name}-{what}" for what in ("report.html", "model.json", "options.toml"))
     check_outputs(
-        Output("--out", page, _made_by.report("diagnose")),
+        Output("--out", page, _made_by.report("diagnose", log)),
         Output("--out", model, _made_by.model("diagnose", source)),
         Output("--out", toml, written_by_us),
         Output("--json", json, _made_by.result("echocal.diagnosis")),

@@ -15,7 +15,7 @@ import typer
 from echocal.errors import UsageError
 from echocal.keywords import command_line
 
-__all__ = ["KNOWN", "Options", "added", "file_in_use", "from_stdin", "options_text", "toml_value"]
+__all__ = ["KNOWN", "Options", "added", "file_in_use", "from_stdin", "is_stdin", "options_text", "toml_value"]
 __all__ += ["written_by_us"]
 
 _FIRST = "# how to read"
@@ -29,6 +29,7 @@ KNOWN = {
 
 _PAIRS = ("column", "missing", "at")
 _KEY = "echocal.options"
+_STDIN = "stdin-"  # how the name of a file begins that holds what stdin had
 _file: ContextVar[Path | None] = ContextVar("file of options", default=None)
 
 
@@ -76,13 +77,18 @@ def from_stdin(data: Path) -> Path:
     """The file itself; for ``-`` a file with what stdin has, until the program ends."""
     if str(data) != "-":
         return data
-    held = tempfile.NamedTemporaryFile(prefix="stdin-", delete=False)  # noqa: SIM115
+    held = tempfile.NamedTemporaryFile(prefix=_STDIN, delete=False)  # noqa: SIM115
     with held as file:
         while part := sys.stdin.buffer.read(1 << 20):
             file.write(part)
     path = Path(held.name)
     atexit.register(path.unlink, missing_ok=True)
     return path
+
+
+def is_stdin(path: Path) -> bool:
+    """Whether it is the file that `from_stdin` made."""
+    return path.name.startswith(_STDIN)
 
 
 def options_text(log: Path, out: Path, given: Mapping[str, Any]) -> str:

@@ -243,7 +243,7 @@ def command(
         Output("--save-model", model, _made_by.model("diagnose", data)),
         Output("--json", json, _made_by.result("echocal.diagnosis")),
         Output("--rows", rows, _made_by.table("diagnose")),
-        Output("--report", report, _made_by.report("diagnose")),
+        Output("--report", report, _made_by.report("diagnose", data)),
         *_pictures(plots, plot_format),
         inputs=[data, *_file(base), *reading.files],
         folder=plots,
