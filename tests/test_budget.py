@@ -33,7 +33,6 @@ def device(residual: ResidualUncertainty | None = RESIDUAL) -> echocal.Model:
 
 
 STATED = {
-    "temperature_C": 0.4,
     "echo_us": 3.0,
     "thermometer": "DHT22",
     "timer_us": 4,
@@ -138,7 +137,7 @@ def test_a_budget_of_ours_against_gtc(distance: float) -> None:
     delay, offset = gtc.multiple_ureal([8e-5, 2e-3], [3e-6, 4e-4], 16)
     gtc.set_correlation(R, delay, offset)
     inf = float("inf")
-    celsius = gtc.ureal(23.0, 0.4, inf) + sum(gtc.ureal(0, half / 3**0.5, inf) for half in (0.5, 0.05))
+    celsius = 23.0 + sum(gtc.ureal(0, half / 3**0.5, inf) for half in (0.5, 0.05))
     time = gtc.ureal(echo, 3e-6, inf) + gtc.ureal(0, 2e-6 / 3**0.5, inf)
     law = 1.0 + gtc.ureal(0, 300e-6 / 3**0.5, inf)
     bare = (331.4 + 0.6 * celsius) * (time - delay) / 2 - offset
@@ -157,7 +156,7 @@ def test_a_budget_of_ours_against_metrolopy(distance: float) -> None:
     found = echocal.budget(device(), distance=distance, temperature=23.0, uncertainties=STATED, trials=0)
     echo = 2 * (distance + 2e-3) / (331.4 + 0.6 * 23.0) + 8e-5
     delay, offset = gummy.create([8e-5, 2e-3], u=[3e-6, 4e-4], correlation_matrix=[[1, R], [R, 1]])
-    celsius = 23.0 + sum(gummy(0, u=u) for u in (0.4, 0.5 / 3**0.5, 0.05 / 3**0.5))
+    celsius = 23.0 + sum(gummy(0, u=u) for u in (0.5 / 3**0.5, 0.05 / 3**0.5))
     time = gummy(echo, u=3e-6) + gummy(0, u=2e-6 / 3**0.5)
     bare = (331.4 + 0.6 * celsius) * (time - delay) / 2 - offset
     whole = bare * (1 + gummy(0, u=300e-6 / 3**0.5)) + gummy(0, u=float(RESIDUAL.of(distance)))
@@ -266,11 +265,56 @@ def test_an_assumed_humidity_may_be_uncertain_to_its_end() -> None:
         ({"law": "mine"}, "no such law; there are published"),
         (["thermometer=DHT22", "thermometer=DHT11"], "states thermometer twice"),
         ({"temperature": 0.5}, "names no quantity with its unit"),
+        (
+            {"temperature_C": 0.5, "thermometer": "DHT22"},
+            "temperature twice, by temperature as a number and by thermometer=DHT22",
+        ),
+        ({"law": "published", "law_ppm": 300}, "speed of sound twice, by law=published and by law_ppm=300"),
     ],
 )
 def test_mistakes_are_told(stated: object, message: str) -> None:
     with pytest.raises(echocal.UsageError, match=message):
         echocal.budget("cramer", distance=1.0, temperature=20.0, uncertainties=stated)
+
+
+def test_a_stated_condition_has_no_thermometer() -> None:
+    table = {"echo_us": [1e4, 1.1e4]}
+    with pytest.raises(
+        echocal.UsageError, match=r"twice, by temperature as a number and by thermometer=DHT22"
+    ):
+        echocal.budget(
+            "cramer", table, at={"temperature": "20+-2"}, uncertainties={"thermometer": "DHT22"}, trials=0
+        )
+
+
+def test_readings_in_whole_centimeters_are_no_better_than_their_step(random: np.random.Generator) -> None:
+    """Targets at whole centimeters hide the rounding; a target elsewhere shows it."""
+    distance = np.repeat(np.round(random.uniform(0.4, 3.0, 12), 2), 10)
+    reading = np.round(distance + random.normal(0.0, 1e-3, 120), 2)
+    assert np.std(reading - distance) < 1e-3  # m
+    table = {"reading_m": reading, "distance_m": distance, "temperature_C": np.full(120, 20.0)}
+    base = echocal.Model("linear")
+    diagnosed = echocal.diagnose(table).model
+    calibrated = echocal.calibrate(echocal.read_observations(table), base, ["zero_error.offset"]).model
+    elsewhere = random.uniform(0.4, 3.0, 400)
+    fresh = {
+        "reading_m": np.round(elsewhere + random.normal(0.0, 1e-3, 400), 2),
+        "temperature_C": np.full(400, 20.0),
+    }
+    for model in (diagnosed, calibrated):
+        found = echocal.budget(model, fresh, trials=0)
+        assert found.standard_uncertainty.min() > 0.999 * 0.01 / 12**0.5
+        assert np.mean(np.abs(found.distance - elsewhere) < found.expanded_uncertainty) > 0.93
+
+
+def test_readings_without_scatter_show_no_repeatability() -> None:
+    """Two readings have any step, and errors of 1e-13 m are those of arithmetic."""
+    distance = np.tile([1.0, 2.0], 20)
+    table = {"reading_m": distance, "distance_m": distance, "temperature_C": np.linspace(15.0, 25.0, 40)}
+    model = echocal.diagnose(table).model
+    assert model.residual_uncertainty is None
+    notes = echocal.budget(model, table, trials=0).notes
+    assert any("does not state the repeatability" in note for note in notes)
 
 
 @pytest.mark.parametrize(
