@@ -8,7 +8,7 @@ from typing import Any
 
 from echocal.errors import UsageError
 from echocal.model import Model
-from echocal.observations.mount import mounted_as
+from echocal.observations.mount import mounted_options
 from echocal.observations.options import ReadOptions
 from echocal.observations.reading import read_observations
 from echocal.observations.table import Observations
@@ -52,8 +52,7 @@ def observed(
         return given
     default: dict[str, Any] = {"reading_speed": speed} if speed else {}
     if model is not None and how.get("columns"):
-        default["columns"] = mounted_as(ReadOptions(**how).requests, model)
-        how = {name: value for name, value in how.items() if name not in ("columns", "mount_height")}
+        how = {**how, **mounted_options(ReadOptions(**how), model)}
     return read_observations(given, **{**default, **how})
 
 

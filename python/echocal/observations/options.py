@@ -56,10 +56,11 @@ class ReadOptions:
     def __post_init__(self) -> None:
         height = None if self.mount_height is None else float(self.mount_height)
         speed = None if self.reading_speed is None else str(self.reading_speed)
-        requests = mounted(read_columns(self.columns), height)
+        said = read_columns(self.columns)
+        requests = mounted(said, height)
         made = {
             "requests": requests,
-            "columns": requests or None,
+            "columns": said or None,
             "reading_speed": speed,
             "missing": self.missing if isinstance(self.missing, Mapping | str) else _listed(self.missing),
             "trust": _names(self.trust),

@@ -118,6 +118,7 @@ def read_observations(
     from echocal.observations.assembly import Assembly
     from echocal.observations.at import conditions_at, sentences
     from echocal.observations.level import fitted
+    from echocal.observations.mount import with_named_levels
     from echocal.observations.numbers import Missing
     from echocal.observations.plan import make
     from echocal.observations.second_log import second_log
@@ -150,6 +151,7 @@ def read_observations(
         asked = how.requests_of(table.columns)
         table, asked, joins, spread, more = other.added_to(table, asked, how)
     codes.refuse_unknown(table.columns)
+    asked = with_named_levels(table.columns, asked, how.mount_height)
     requests, found, said = understood(table, asked)
     requests, heights = fitted(table, requests, codes)
     planned = make(list(table.columns), requests, how.trust)

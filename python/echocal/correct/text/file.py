@@ -24,6 +24,7 @@ from echocal.model.folder import label
 from echocal.observations.file import TextFile
 from echocal.observations.found import CORRUPT, Found
 from echocal.observations.hints import completed
+from echocal.observations.mount import with_named_levels
 from echocal.observations.part import Part
 from echocal.observations.plan import make
 from echocal.observations.source import refuse_unstreamed
@@ -51,7 +52,8 @@ class Text:
         path, self.head = file.path, file.head
         layout = replace(file.layout, decimal=self.head.decimal)
         names = self.head.names
-        requests = completed(names, job.reading.requests, Found(units=self.head.units))[0]
+        own = with_named_levels(names, job.reading.requests, job.reading.mount_height)
+        requests = completed(names, own, Found(units=self.head.units))[0]
         job = replace(job, reading=replace(job.reading, columns=requests, **layout.plain()))
         self.file, self.path, self.job = file, path, job
         try:

@@ -7,10 +7,10 @@ import warnings
 
 import numpy as np
 
-from echocal.observations.quantization_grid import FINEST_STEP
 from echocal.diagnose.preprocess.table import Table
 from echocal.diagnose.validation.gain import HeldOut
 from echocal.model import Model, ResidualUncertainty
+from echocal.observations.quantization_grid import FINEST_STEP
 
 __all__ = ["residual_uncertainty"]
 
