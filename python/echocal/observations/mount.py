@@ -139,6 +139,7 @@ def mounted_options(options: "ReadOptions", model: Model) -> dict[str, Any]:
 
 
 def mounted_as(requests: Mapping[str, str], model: Model) -> Mapping[str, str]:
+    """Levels with the height that the diagnosis of the model had, where the user states none."""
     kept = kept_height(model)
     levels = {name: own for name, own in requests.items() if is_level(name, own)}
     if kept is None or not levels:
