@@ -28,6 +28,7 @@ _INSTEAD = {
     "--hold-out-after": "the gain is measured on tables left out in turn; --until leaves out later rows",
     "--placements": 'give each table a column with its distances: --column "NAME=distance_m"',
     "--matters-mm": "diagnose one table to be told what matters",
+    "--details": "diagnose one table alone for its evidence",
     "--can-vary": "diagnose one table for its next measurements",
 }
 

@@ -61,11 +61,9 @@ def step(table: pd.DataFrame, found: Found) -> tuple[pd.DataFrame, Found]:
     if "hour" in values and "second" in columns and (values["hour"] % 1.0).any() and "minute" not in used:
         used["second"] = columns["second"]  # of hours and minutes as one number
         values["second"] = _numbers(table[used["second"]])
+    one_number = {"hour"} if "minute" not in used else set()
     finest = next(piece for piece in ("second", "minute", "hour", "day", "day_of_year") if piece in values)
-    if not all(
-        _is_piece(piece, own, piece == finest or (piece == "hour" and "minute" not in used))
-        for piece, own in values.items()
-    ):
+    if not all(_is_piece(piece, own, piece in {finest, *one_number}) for piece, own in values.items()):
         return table, found
     table = table.rename(columns={"time": "time of day"})
     used = {piece: "time of day" if name == "time" else name for piece, name in used.items()}
