@@ -227,6 +227,7 @@ def command(
             {**request, "base": base_of(base)},
             reading.given(),
             _pool.Outputs(models, plots, json, plot_format, report),
+            words=reading_words(reading),
             force=force,
             quiet=quiet,
         )

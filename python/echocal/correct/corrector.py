@@ -21,7 +21,6 @@ from echocal.observations.found import NOT_READ
 from echocal.observations.hints import completed
 from echocal.observations.marks import MARKS
 from echocal.observations.misspelled import naming
-from echocal.observations.mount import with_named_levels
 from echocal.observations.numbers import Missing
 from echocal.observations.part import Part, Seen
 from echocal.observations.plan import make
@@ -111,8 +110,7 @@ class Corrector:
         refuse_repeated(names)
         refuse_corrected(names)
         Missing(job.reading.missing).refuse_unknown(names)
-        own = with_named_levels(names, job.reading.requests_of(names), job.reading.mount_height)
-        requests = completed(names, own)[0]
+        requests = completed(names, job.reading.requests_of(names))[0]
         job = replace(job, reading=replace(job.reading, columns=requests, mount_height=None))
         self._names, self._job = list(names), job
         self.key = "" if job.models.folder is None else key

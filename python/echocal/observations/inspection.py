@@ -14,7 +14,6 @@ import pandas as pd
 from echocal.errors import EchocalError
 from echocal.observations.fields import span
 from echocal.observations.found import found_in
-from echocal.observations.mount import with_named_levels
 from echocal.observations.names import EXTRA, IGNORE
 from echocal.observations.options import ReadOptions
 from echocal.observations.plan import refuse_absent
@@ -157,8 +156,6 @@ def inspect_log(path: Path, options: ReadOptions | None = None) -> Inspection:
     missing, how = dict(options.missing), options.given()
     table = load(path, options.layout, sheet=options.sheet)
     columns = options.requests_of(table.columns)  # the others are refused where the other log is read
-    if options.reference is None:
-        columns = with_named_levels(table.columns, columns, options.mount_height)
     refuse_absent(columns, table.columns)
     found = found_in(table)
     proposals = propose(table, found, columns)

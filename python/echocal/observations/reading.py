@@ -118,7 +118,6 @@ def read_observations(
     from echocal.observations.assembly import Assembly
     from echocal.observations.at import conditions_at, sentences
     from echocal.observations.level import fitted
-    from echocal.observations.mount import with_named_levels
     from echocal.observations.numbers import Missing
     from echocal.observations.plan import make
     from echocal.observations.second_log import second_log
@@ -143,15 +142,13 @@ def read_observations(
     table = load(source, how.layout, sheet=sheet)
     codes = Missing(missing)
     stated = conditions_at(how.at, table)
-    asked, spread = how.requests, None
+    asked, spread = how.requests_of(table.columns), None
     joins: dict[str, Join] = {}
     more: list[str] = []
     if reference is not None:
         other = second_log(how, table.columns)
-        asked = how.requests_of(table.columns)
         table, asked, joins, spread, more = other.added_to(table, asked, how)
     codes.refuse_unknown(table.columns)
-    asked = with_named_levels(table.columns, asked, how.mount_height)
     requests, found, said = understood(table, asked)
     requests, heights = fitted(table, requests, codes)
     planned = make(list(table.columns), requests, how.trust)

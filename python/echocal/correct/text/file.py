@@ -24,7 +24,6 @@ from echocal.model.folder import label
 from echocal.observations.file import TextFile
 from echocal.observations.found import CORRUPT, Found
 from echocal.observations.hints import completed
-from echocal.observations.mount import with_named_levels
 from echocal.observations.part import Part
 from echocal.observations.plan import make
 from echocal.observations.source import refuse_unstreamed
@@ -52,9 +51,9 @@ class Text:
         path, self.head = file.path, file.head
         layout = replace(file.layout, decimal=self.head.decimal)
         names = self.head.names
-        own = with_named_levels(names, job.reading.requests, job.reading.mount_height)
-        requests = completed(names, own, Found(units=self.head.units))[0]
-        job = replace(job, reading=replace(job.reading, columns=requests, **layout.plain()))
+        requests = completed(names, job.reading.requests_of(names), Found(units=self.head.units))[0]
+        pinned = {"columns": requests, "mount_height": None}  # each level has its height
+        job = replace(job, reading=replace(job.reading, **pinned, **layout.plain()))
         self.file, self.path, self.job = file, path, job
         try:
             self.corrector = Corrector(names, job, key)
