@@ -196,8 +196,8 @@ def _guard(result: Verification) -> str:
     if result.least_probability is None:
         return ""
     return (
-        f"; with a guard band of {_MM * result.guard_band:.2g} mm, {result.undecided} are undecided; the least "
-        f"probability of conformity is {probability_text(result.least_probability)}"
+        f"; with a guard band of {_MM * result.guard_band:.2g} mm, {result.undecided} are undecided; the "
+        f"least probability of conformity is {probability_text(result.least_probability)}"
     )
 
 
