@@ -127,31 +127,6 @@ def test_a_model_of_another_table_or_an_edited_one_needs_force(run: Run) -> None
     assert echocal.Model.load("m.json").provenance["table"] == "new.csv"
 
 
-@pytest.mark.parametrize(
-    "command",
-    [
-        ("diagnose",),
-        ("calibrate", "--fit", "zero_error"),
-        ("verify", "--maximum-permissible-error-mm", "200"),
-    ],
-    ids=lambda own: own[0],
-)
-def test_a_report_of_another_table_or_an_edited_one_needs_force(command: tuple[str, ...], run: Run) -> None:
-    name, *more = command
-    more += ["--report", "page.html", "-q"]
-    shutil.copy("w.csv", "new.csv")
-    for _ in range(2):
-        assert run(name, "w.csv", *more) == (0, "")
-    old = Path("page.html").read_text()
-    code, told = run(name, "new.csv", *more)
-    assert (code, Path("page.html").read_text()) == (2, old)
-    assert "--report page.html exists" in told
-    Path("page.html").write_text(old.replace("</body>", "<p>Signed: A. B.</p></body>"))
-    assert run(name, "w.csv", *more)[0] == 2
-    assert "Signed" in Path("page.html").read_text()
-    assert run(name, "new.csv", *more, "--force") == (0, "")
-
-
 def test_a_note_in_a_model_is_kept(run: Run) -> None:
     assert run("diagnose", "w.csv", "--save-model", "m.json", "-q") == (0, "")
     noted = json.loads(Path("m.json").read_text())

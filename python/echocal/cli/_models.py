@@ -11,7 +11,7 @@ from echocal.cli._tables import Given
 from echocal.errors import UsageError
 from echocal.model import Model
 from echocal.model.indicated_speed import speed_of
-from echocal.observations.mount import mounted_options
+from echocal.observations.given import mounted_options
 
 __all__ = ["Effects", "Uncertain", "end", "model_of", "read_for"]
 

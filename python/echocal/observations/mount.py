@@ -1,7 +1,6 @@
 """The height of a sensor above the zero of a level: distance = mount height - level."""
 
 from collections.abc import Iterable, Mapping
-from typing import TYPE_CHECKING, Any
 
 from echocal.errors import UsageError
 from echocal.keywords import keyword
@@ -9,15 +8,11 @@ from echocal.model import Model
 from echocal.observations.names import BELOW, EXTRA, IGNORE, by_request, is_level_name
 from echocal.observations.plan import Assignment, Plan
 
-if TYPE_CHECKING:
-    from echocal.observations.options import ReadOptions
-
 __all__ = ["HEIGHT_FITTED", "LEAST", "MOUNT_HEIGHT", "holds_level", "is_level", "kept_height", "level_zero"]
 __all__ += [
     "mount_height",
     "mounted",
     "mounted_as",
-    "mounted_options",
     "refuse_unmounted",
     "with_named_levels",
     "without_height",
@@ -129,13 +124,6 @@ def kept_height(model: Model) -> float | None:
     """Height of the sensor [m] with which the table of a model's diagnosis was read."""
     kept = model.provenance.get(MOUNT_HEIGHT)
     return kept if isinstance(kept, float) else None
-
-
-def mounted_options(options: "ReadOptions", model: Model) -> dict[str, Any]:
-    """`columns` and `mount_height`, with the height of the model's diagnosis where the user states none."""
-    requests = mounted_as(options.requests, model)
-    levels = any(is_level(name, own) for name, own in requests.items())
-    return {"columns": requests, "mount_height": None if levels else options.mount_height}
 
 
 def mounted_as(requests: Mapping[str, str], model: Model) -> Mapping[str, str]:
