@@ -226,3 +226,25 @@ def test_a_height_beside_a_file_of_options_wins_or_is_refused(tmp_path: Path) ->
     )
     refused = CliRunner().invoke(app, [*again, str(tmp_path / "n.json")])
     assert "is for no level: 'Lvl' has a height of its own, 2.6 m" in str(refused.exception)
+
+
+@pytest.mark.parametrize(
+    ("name", "says"),
+    [
+        ("Water level (m)", 'Water level (m)=level_m"'),
+        ("snow_depth_cm", 'snow_depth_cm=level_cm"'),
+        ("stage_ft", 'stage_ft=level_ft"'),
+    ],
+)
+def test_a_log_of_a_level_is_asked_for_its_meaning_before_the_distance(
+    name: str, says: str, tmp_path: Path
+) -> None:
+    table, level = tank(11)
+    factor = {"m": 1.0, "cm": 100.0, "ft": 1 / 0.3048}[name.strip(")").rpartition("_")[2].rpartition("(")[2]]
+    log = pd.DataFrame(
+        {"time_s": np.arange(160.0), name: factor * level, "temperature_C": table["temperature_C"]}
+    )
+    log.to_csv(tmp_path / "log.csv", index=False)
+    told = str(CliRunner().invoke(app, [str(tmp_path / "log.csv"), "-o", str(tmp_path)]).exception)
+    assert f'--column "{says} --mount-height METERS' in told
+    assert "does not say" not in told

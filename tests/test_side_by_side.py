@@ -111,3 +111,12 @@ def test_what_one_command_diagnoses_the_printed_command_corrects(
     again = CliRunner().invoke(app, [*shlex.split(command)[1:-1], "robot.parquet"])
     assert isinstance(again.exception, echocal.UsageError)
     assert "give one table, and a folder" in str(again.exception)
+
+
+def test_a_second_ranger_is_told_with_the_guess(tmp_path: Path) -> None:
+    table = two().rename(columns={"left (cm)": "sonar_left", "right (mm)": "sonar_right"})
+    table["sonar_right"] /= 10.0
+    table.to_csv(tmp_path / "robot.csv", index=False)
+    told = str(CliRunner().invoke(app, [str(tmp_path / "robot.csv"), "-o", str(tmp_path)]).exception)
+    assert "'sonar_left' as reading_cm" in told
+    assert "and so 'sonar_right': for both, echocal diagnose LOG --by sonar_left,sonar_right" in told

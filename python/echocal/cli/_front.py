@@ -169,6 +169,8 @@ def _settled(log: Path, known: _Answers, yes: bool, console: Console) -> Inspect
     person = sys.stdin is not None and sys.stdin.isatty()
     found = inspect_log(log, known.reading)
     open_: list[_Question] = []
+    if not (_has(found, known, "reading") or _has(found, known, "echo_time")) and found.refusal:
+        raise DataError(found.refusal)  # the other questions come when there is something to ask about
 
     def settle(question: _Question, answer: Callable[[], None]) -> None:
         if person:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -11,6 +11,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from echocal.errors import EchocalError
+from echocal.keywords import command_line
 from echocal.observations.by_values import guesses, usual
 from echocal.observations.checks import CODES
 from echocal.observations.doubtful import doubtful_in
@@ -88,11 +89,23 @@ def propose(table: pd.DataFrame, found: Found, given: Mapping[str, str]) -> dict
             why = f"its name, and values {values}"
             proposals[name] = Proposal(request, why, guess=True)
             held.add(_quantity(request))
+        elif request and own in ("reading", "echo"):
+            _tell_rival(name, _quantity(request), proposals)
     if not {"reading", "echo_time"} & held or "temperature" not in held:
         _by_values(table, found, proposals, held, {name for name in roles if roles[name]})
     if not {"reading", "echo_time"} & held:
         _reference_as_reading(table, proposals, given)
     return proposals
+
+
+def _tell_rival(name: str, quantity: str, proposals: dict[str, Proposal]) -> None:
+    """Say of a guess that another column may hold the same: a ranger beside it."""
+    for first, own in proposals.items():
+        if own.guess and own.quantity == quantity:
+            each = command_line("diagnose", "LOG", by=f"{first},{name}")
+            why = f"{own.reason}, and so '{name}': for both, {each}"
+            proposals[first] = replace(own, reason=why)
+            return
 
 
 def unfit(table: pd.DataFrame, names: Sequence[str]) -> str:

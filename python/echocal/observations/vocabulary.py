@@ -9,6 +9,7 @@ __all__ = [
     "ELAPSED",
     "LENGTH",
     "LETTERS",
+    "LEVELS",
     "NEVER",
     "NOT",
     "NO_CLOCK",
@@ -81,6 +82,20 @@ NOT = {
     "distance": {"level", "levels", "pegel", "stage", "waterlevel", "wasserstand"},
 }  # fmt: skip
 """Words that make it something else."""
+
+LEVELS = {
+    "level",
+    "levels",
+    "stage",
+    "depth",
+    "pegel",
+    "waterlevel",
+    "wasserstand",
+    "snow",
+    "tiefe",
+    "niveau",
+}
+"""Words of what rises as the distance falls."""
 
 LETTERS = {"t", "p", "d", "r"}
 
