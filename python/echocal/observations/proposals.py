@@ -21,6 +21,7 @@ from echocal.observations.hints import completed, hint, is_time_name, role_of, r
 from echocal.observations.names import EXTRA, IGNORE, by_name, by_request, is_level_name
 from echocal.observations.units import NAMES
 from echocal.observations.units_said import has_foreign_unit, split_unit, symbol_of
+from echocal.observations.vocabulary import LEVELS, TOKEN
 
 __all__ = ["Proposal", "codes_in", "propose", "unfit"]
 
@@ -177,6 +178,8 @@ def _by_values(
     for name in map(str, table.columns):
         numbers = None if is_time_name(name) else _numbers(table[name])
         if name in named or proposals[name].request or numbers is None or has_foreign_unit(name):
+            continue
+        if LEVELS & {token.lower() for token in TOKEN.findall(name)}:
             continue
         free[name] = numbers
         units[name] = symbol_of(found.units.get(name, "")) or split_unit(name)[1]

@@ -95,7 +95,7 @@ LEVELS = {
     "tiefe",
     "niveau",
 }
-"""Words of what rises as the distance falls."""
+"""Words of what rises as the distance falls: its values are no distance, however usual they are for one."""
 
 LETTERS = {"t", "p", "d", "r"}
 
