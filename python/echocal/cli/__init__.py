@@ -68,7 +68,7 @@ class _Commands(TyperGroup):
             refuse_useless(own)
             return run(own)
 
-        loaded.invoke = checked  # type: ignore[method-assign]
+        loaded.invoke = checked  # type: ignore[method-assign, assignment]
         loaded.context_settings = {**loaded.context_settings, **_HELP}
         if ctx is not None and ctx.obj is not None:
             ctx.obj |= {one.name: one.opts[0] for one in loaded.params if one.opts[0].startswith("--")}

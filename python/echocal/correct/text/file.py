@@ -52,7 +52,7 @@ class Text:
         layout = replace(file.layout, decimal=self.head.decimal)
         names = self.head.names
         requests = completed(names, job.reading.requests_of(names), Found(units=self.head.units))[0]
-        pinned = {"columns": requests, "mount_height": None}  # each level has its height
+        pinned: dict[str, Any] = {"columns": requests, "mount_height": None}  # each level has its height
         job = replace(job, reading=replace(job.reading, **pinned, **layout.plain()))
         self.file, self.path, self.job = file, path, job
         try:
