@@ -1,5 +1,6 @@
 """Several rangers in columns beside each other: one is chosen, or each is a table."""
 
+import shlex
 from pathlib import Path
 
 import numpy as np
@@ -89,3 +90,33 @@ def test_a_list_that_names_no_columns_is_refused(by: list[str], says: str) -> No
     with pytest.raises((echocal.UsageError, echocal.DataError)) as refused:
         echocal.diagnose_many(two(), by=by, columns=COLUMNS)
     assert says in str(refused.value)
+
+
+def test_what_one_command_diagnoses_the_printed_command_corrects(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    two().to_csv("robot.csv", index=False)
+    arguments = ["diagnose", "robot.csv", "--by", "left (cm),right (mm)", "--models", "models"]
+    for column, request in COLUMNS.items():
+        arguments += ["--column", f"{column}={request}"]
+    told = CliRunner().invoke(app, arguments).output
+    command = next(line for line in told.splitlines() if line.startswith("echocal correct"))
+    done = CliRunner().invoke(app, shlex.split(command)[1:])
+    assert done.exit_code == 0, done.output
+    for file in ("left_cm_", "right_mm_"):
+        table = pd.read_csv(next(Path("robot-corrected").glob(f"{file}*.csv")))
+        assert np.std(table["corrected_distance_m"] - table["distance_m"]) < 1.5e-3
+        assert abs(np.mean(table["corrected_distance_m"] - table["distance_m"])) < 1.5e-3
+    again = CliRunner().invoke(app, [*shlex.split(command)[1:-1], "robot.parquet"])
+    assert isinstance(again.exception, echocal.UsageError)
+    assert "give one table, and a folder" in str(again.exception)
+
+
+def test_a_second_ranger_is_told_with_the_guess(tmp_path: Path) -> None:
+    table = two().rename(columns={"left (cm)": "sonar_left", "right (mm)": "sonar_right"})
+    table["sonar_right"] /= 10.0
+    table.to_csv(tmp_path / "robot.csv", index=False)
+    told = str(CliRunner().invoke(app, [str(tmp_path / "robot.csv"), "-o", str(tmp_path)]).exception)
+    assert "'sonar_left' as reading_cm" in told
+    assert "and so 'sonar_right': for both, echocal diagnose LOG --by sonar_left,sonar_right" in told

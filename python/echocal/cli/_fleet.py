@@ -24,6 +24,7 @@ _INSTEAD = {
     "--rows": "diagnose a sensor alone for its rows",
     "--placements": 'give the log a column with the distances: --column "NAME=distance_m"',
     "--matters-mm": "diagnose a sensor alone to be told what matters",
+    "--details": "diagnose one table alone for its evidence",
     "--can-vary": "diagnose a sensor alone for its next measurements",
 }
 

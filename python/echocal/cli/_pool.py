@@ -13,6 +13,7 @@ from echocal.cli._outputs import Output, check_outputs, made_in, write_report
 from echocal.cli._tables import noted, write_json
 from echocal.diagnose.pooling.engine import diagnose_many
 from echocal.errors import DomainWarning, UsageError, writing
+from echocal.keywords import command_line
 from echocal.model.folder import INDEX
 from echocal.model.names import index_text, named
 from echocal.outputs import replace_text
@@ -28,6 +29,7 @@ _INSTEAD = {
     "--hold-out-after": "the gain is measured on tables left out in turn; --until leaves out later rows",
     "--placements": 'give each table a column with its distances: --column "NAME=distance_m"',
     "--matters-mm": "diagnose one table to be told what matters",
+    "--details": "diagnose one table alone for its evidence",
     "--can-vary": "diagnose one table for its next measurements",
 }
 
@@ -66,6 +68,7 @@ def diagnose_tables(
     reading: Mapping[str, Any],
     outputs: Outputs,
     *,
+    words: Mapping[str, Any],
     force: bool,
     quiet: bool,
 ) -> None:
@@ -125,6 +128,10 @@ def diagnose_tables(
     write_json(pooled.to_dict(), outputs.json)
     if not quiet and outputs.json != "-":
         print_pooled(pooled, Console())
+        if by is not None and outputs.models is not None and pooled.models:
+            out = tables[0].with_name(f"{tables[0].stem}-corrected{'' if ',' in by else '.csv'}")
+            words = {**words, "by": by, "models": outputs.models, "out": out}
+            Console(soft_wrap=True).print(command_line("correct", tables[0], **words), markup=False)
 
 
 def bar(quiet: bool) -> Progress:

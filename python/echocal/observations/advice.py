@@ -13,6 +13,8 @@ from echocal.observations.names import INSPECT, looks_like, unit_of
 from echocal.observations.plan import Assignment, Plan
 from echocal.observations.proposals import Proposal, propose, unfit
 from echocal.observations.units import FORMS, Form
+from echocal.observations.units_said import split_unit
+from echocal.observations.vocabulary import LENGTH, LEVELS, TOKEN
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -29,8 +31,18 @@ def no_echo(table: pd.DataFrame, plan: Plan) -> str:
     columns = ", ".join(str(name) for name in table.columns)
     return (
         f"no column holds an echo time or a distance reading; accepted: {names}. "
-        f"The table has: {columns}. {_advice(table, plan, echo)}"
+        f"The table has: {columns}. {_level(table) or _advice(table, plan, echo)}"
     )
+
+
+def _level(table: pd.DataFrame) -> str:
+    """How to say that a column which is called so holds a level; empty without one."""
+    for column in map(str, table.columns):
+        _, unit = split_unit(column)
+        if unit in LENGTH and LEVELS & {token.lower() for token in TOKEN.findall(column)}:
+            said = keyword("columns", {column: f"level_{unit}"})
+            return f"If the device indicates a level: {said} {keyword('mount_height', 'METERS')}"
+    return ""
 
 
 def which_temperature(table: pd.DataFrame, plan: Plan) -> dict[str, str]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -11,15 +11,17 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from echocal.errors import EchocalError
+from echocal.keywords import command_line
 from echocal.observations.by_values import guesses, usual
 from echocal.observations.checks import CODES
 from echocal.observations.doubtful import doubtful_in
 from echocal.observations.fields import is_empty, shown
 from echocal.observations.found import Found
 from echocal.observations.hints import completed, hint, is_time_name, role_of, role_of_unit
-from echocal.observations.names import EXTRA, IGNORE, by_name, by_request
+from echocal.observations.names import EXTRA, IGNORE, by_name, by_request, is_level_name
 from echocal.observations.units import NAMES
 from echocal.observations.units_said import has_foreign_unit, split_unit, symbol_of
+from echocal.observations.vocabulary import LEVELS, TOKEN
 
 __all__ = ["Proposal", "codes_in", "propose", "unfit"]
 
@@ -58,6 +60,12 @@ def propose(table: pd.DataFrame, found: Found, given: Mapping[str, str]) -> dict
     told = {n: why.partition(";")[0].partition(" and is not")[0] for n, why in doubtful.items()}
     proposals |= {n: Proposal("", why) for n, why in told.items() if not proposals[n].request}
     held = {quantity for p in proposals.values() if (quantity := _quantity(p.request))}
+    for name in (n for n in columns if is_level_name(n) and not proposals[n].request):
+        if name not in given and (quantity := _quantity(name)) not in held:
+            proposals[name] = Proposal(
+                name, "its name: a level, which rises as the distance falls", guess=True
+            )
+            held.add(quantity)
     roles = {name: role_of(name) or _by_unit(name, table, held) for name in columns}
     bare = {name: role for name, role in roles.items() if role and not proposals[name].request}
     for name, role in sorted(bare.items(), key=lambda pair: pair[1] == "distance"):
@@ -82,11 +90,23 @@ def propose(table: pd.DataFrame, found: Found, given: Mapping[str, str]) -> dict
             why = f"its name, and values {values}"
             proposals[name] = Proposal(request, why, guess=True)
             held.add(_quantity(request))
+        elif request and own in ("reading", "echo"):
+            _tell_rival(name, _quantity(request), proposals)
     if not {"reading", "echo_time"} & held or "temperature" not in held:
         _by_values(table, found, proposals, held, {name for name in roles if roles[name]})
     if not {"reading", "echo_time"} & held:
         _reference_as_reading(table, proposals, given)
     return proposals
+
+
+def _tell_rival(name: str, quantity: str, proposals: dict[str, Proposal]) -> None:
+    """Say of a guess that another column may hold the same: a ranger beside it."""
+    for first, own in proposals.items():
+        if own.guess and own.quantity == quantity:
+            each = command_line("diagnose", "LOG", by=f"{first},{name}")
+            why = f"{own.reason}, and so '{name}': for both, {each}"
+            proposals[first] = replace(own, reason=why)
+            return
 
 
 def unfit(table: pd.DataFrame, names: Sequence[str]) -> str:
@@ -158,6 +178,8 @@ def _by_values(
     for name in map(str, table.columns):
         numbers = None if is_time_name(name) else _numbers(table[name])
         if name in named or proposals[name].request or numbers is None or has_foreign_unit(name):
+            continue
+        if LEVELS & {token.lower() for token in TOKEN.findall(name)}:
             continue
         free[name] = numbers
         units[name] = symbol_of(found.units.get(name, "")) or split_unit(name)[1]

@@ -9,6 +9,7 @@ __all__ = [
     "ELAPSED",
     "LENGTH",
     "LETTERS",
+    "LEVELS",
     "NEVER",
     "NOT",
     "NO_CLOCK",
@@ -78,8 +79,23 @@ NOT = {
         "resolution", "threshold", "filtered", "corrected", "travelled", "traveled", "path", "twoway",
     },
     "wind": {"dir", "direction", "gust"},
+    "distance": {"level", "levels", "pegel", "stage", "waterlevel", "wasserstand"},
 }  # fmt: skip
 """Words that make it something else."""
+
+LEVELS = {
+    "level",
+    "levels",
+    "stage",
+    "depth",
+    "pegel",
+    "waterlevel",
+    "wasserstand",
+    "snow",
+    "tiefe",
+    "niveau",
+}
+"""Words of what rises as the distance falls: its values are no distance, however usual they are for one."""
 
 LETTERS = {"t", "p", "d", "r"}
 

@@ -4,6 +4,7 @@ from importlib.metadata import version
 from importlib.resources import files
 from typing import Any
 
+from echocal.checksums import SEAL, sealed
 from echocal.report.html.drawing import drawn
 
 __all__ = ["rendered"]
@@ -36,8 +37,9 @@ def rendered(template: str, command: str, title: str, **content: Any) -> str:
     )
     environment.filters["drawn"] = lambda chart: Markup(drawn(chart))
     common = {"command": command, "title": title, "version": version("echocal")}
+    common |= {"seal": SEAL.format("")}
     common |= {"script": _text("chart.js"), "style": _text("page.css")}
-    return environment.get_template(template).render(**common, **content)
+    return sealed(environment.get_template(template).render(**common, **content))
 
 
 def _text(name: str) -> str:
