@@ -20,8 +20,7 @@ from echocal.errors import UsageError
 from echocal.firmware import Firmware
 from echocal.model import Model
 from echocal.sweep.grid import Range
-from echocal.virtual_bench.hygrometers import HIH4030
-from echocal.virtual_bench.thermometers import PARTS, AnalogThermometer
+from echocal.virtual_bench.instruments import HIH4030, PARTS, AnalogThermometer
 from echocal.virtual_bench.waveform.possible import check_seed
 
 __all__ = ["PARTS_OF_ERROR", "TRUTH", "Emulation", "emulate", "error_parts"]
@@ -76,7 +75,7 @@ def emulate(
         What columns of the table, or of a sketch's own lines, hold, as of `echocal.read_observations`.
     part : str or AnalogThermometer
         Thermometer at A0: ``"tmp36"``, ``"lm35"``, ``"potentiometer"``, or one of
-        `echocal.virtual_bench.thermometers`. A name stands for a part without noise, lag and tolerance,
+        `echocal.virtual_bench.instruments`. A name stands for a part without noise, lag and tolerance,
         unless `seed` is given.
     humidity : bool
         Whether a HIH-4030 is at A1 and the library of a model reads it.
