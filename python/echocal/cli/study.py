@@ -63,7 +63,7 @@ def command(
     else:
         report.show(found, console)
         if answer is not None:
-            from echocal.study.question.report import show
+            from echocal.study.question.page import show
 
             show(answer, console)
     if out is not None:

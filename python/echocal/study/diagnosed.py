@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from echocal.diagnose import Cause, Diagnosis, diagnose
 from echocal.diagnose.results.explain import parameter_text
 from echocal.keywords import command_line
-from echocal.study.sensor import STATED_LAW
+from echocal.study.origin import STATED_LAW
 from echocal.study.tables import DISTANCE, READING_SPEED, Tables
 
 __all__ = ["QUESTIONS", "Answer", "Question", "ask", "render"]

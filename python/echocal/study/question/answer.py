@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from echocal.diagnose import Diagnosis
-from echocal.study.origin import table_law
+from echocal.study.origin import reading_in, table_law
 from echocal.study.question.comparison import Pattern, Verdict, compare, deviation, pattern_of, without_steps
 from echocal.study.question.experiment import Readings
 from echocal.study.question.explanations import Explanation, explain
@@ -15,7 +15,6 @@ from echocal.study.question.laws import ALL
 from echocal.study.question.measurements import Effects, Outcome, judge
 from echocal.study.question.members import Member, Told, diagnosis_of, members, told
 from echocal.study.question.suspects import Suspect
-from echocal.study.sensor import reading_in
 from echocal.study.tables import Tables
 
 __all__ = ["Answer", "Made", "answer"]

@@ -103,9 +103,6 @@ def recorded_amplitude(campaign: Campaign, size: float, random: np.random.Genera
     campaign.shown.add("amplitude")
 
 
-__all__: list[str] = []
-
-
 @cause("K", -2.0, 2.0)
 def temperature_offset(campaign: Campaign, size: float, random: np.random.Generator) -> None:
     """The thermometer reads too low by a constant; with a negative size too high."""
@@ -162,9 +159,6 @@ def thermometer_mix(campaign: Campaign, size: float, random: np.random.Generator
 def temperature_quantization(campaign: Campaign, size: float, random: np.random.Generator) -> None:
     """The thermometer has coarse steps."""
     campaign.thermometer.append(lambda recorded: np.round(recorded / size) * size)
-
-
-__all__: list[str] = []
 
 
 @cause("m", 2e-3, 8e-3, "time", "weather", in_catalogue=False)
