@@ -18,7 +18,7 @@ from echocal.fleet.index import Index, indexed
 from echocal.fleet.plan import tasks_of
 from echocal.fleet.source import files_of
 from echocal.fleet.spill import is_spilled, plan_spills, run_spill
-from echocal.model.names import named
+from echocal.model.folder import named
 from echocal.observations.layout import Layout
 
 LAYOUT = Layout()

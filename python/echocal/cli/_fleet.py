@@ -87,7 +87,7 @@ def diagnose_sensors(
         If a sensor cannot be diagnosed; everything is written then.
     """
     from echocal.fleet import diagnose_fleet
-    from echocal.report.fleet import print_fleet
+    from echocal.report.several import print_fleet
 
     _check(inputs, used, outputs, force)
     with _bar(quiet) as bar:
@@ -117,7 +117,7 @@ def diagnose_sensors(
             **request,
         )
     if outputs.plots is not None:
-        from echocal.plots.fleet import save_fleet  # matplotlib takes a second to import
+        from echocal.plots.several import save_fleet  # matplotlib takes a second to import
 
         save_fleet(fleet.summary, outputs.plots, outputs.plot_format)
     if outputs.report is not None:
@@ -169,7 +169,7 @@ def _check(inputs: Sequence[Path], used: Sequence[str | None], outputs: Outputs,
         check_outputs(*made_in(folder, option, there, recognize), inputs=every, folder=folder, force=force)
     if outputs.plots is not None:
         from echocal.plots.files import in_form
-        from echocal.plots.fleet import PICTURES
+        from echocal.plots.several import PICTURES
 
         names = in_form(PICTURES, outputs.plot_format)
         pictures = made_in(outputs.plots, "--plots", names, _made_by.picture("diagnose"))

@@ -13,8 +13,7 @@ from echocal.cli._outputs import Output, check_outputs, made_in, write_report
 from echocal.cli._tables import noted, write_json
 from echocal.diagnose.pooling.engine import diagnose_many
 from echocal.errors import DomainWarning, UsageError, writing
-from echocal.model.folder import INDEX
-from echocal.model.names import index_text, named
+from echocal.model.folder import INDEX, index_text, named
 from echocal.outputs import replace_text
 
 __all__ = ["Outputs", "bar", "diagnose_tables", "refuse_options", "told_apart"]
@@ -71,7 +70,7 @@ def diagnose_tables(
 ) -> None:
     """Diagnose several files, or the parts of one, and write and print the results."""
     from echocal.diagnose.pooling.source import sources_of
-    from echocal.report.pooled import print_pooled
+    from echocal.report.several import print_pooled
 
     if by is not None and len(tables) > 1:
         message = f"--by divides one table, and {len(tables)} are given; give one table, or leave --by out"
@@ -115,7 +114,7 @@ def diagnose_tables(
             _made_by.sign(model, "diagnose", origin[name], files[name]).save(files[name])
         replace_text(outputs.models / INDEX, index_text({name: files[name].name for name in pooled.models}))
     if outputs.plots is not None:
-        from echocal.plots.pooled import save_pooled  # matplotlib takes a second to import
+        from echocal.plots.several import save_pooled  # matplotlib takes a second to import
 
         save_pooled(pooled, outputs.plots, outputs.plot_format)
     if outputs.report is not None:
@@ -150,6 +149,6 @@ def _pictures(folder: Path | None, form: str) -> list[Output]:
     if folder is None:
         return []
     from echocal.plots.files import in_form
-    from echocal.plots.pooled import PICTURES  # matplotlib takes a second to import
+    from echocal.plots.several import POOLED_PICTURES  # matplotlib takes a second to import
 
-    return made_in(folder, "--plots", in_form(PICTURES, form), _made_by.picture("diagnose"))
+    return made_in(folder, "--plots", in_form(POOLED_PICTURES, form), _made_by.picture("diagnose"))

@@ -32,8 +32,7 @@ from echocal.fleet.summary import summary
 from echocal.fleet.task import run_task
 from echocal.keywords import as_here, keyword
 from echocal.model import Model
-from echocal.model.folder import INDEX
-from echocal.model.names import index_text, named
+from echocal.model.folder import INDEX, index_text, named
 from echocal.model.plain import to_plain
 from echocal.observations.layout import Layout
 from echocal.observations.options import ReadOptions

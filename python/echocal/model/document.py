@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 
 from echocal.errors import ModelError, UsageError
 from echocal.model.residual_uncertainty import ResidualUncertainty
-from echocal.model.shape import Shape
-from echocal.model.smooth import Smooth
+from echocal.model.shape import Shape, Smooth
 from echocal.outputs import replace_text
 from echocal.registry import find_effect
 

@@ -1,4 +1,4 @@
-"""A folder of models, one for each key: the model of every sensor of a fleet.
+"""Folders of models, one for each key: how files are named, and how they are read.
 
 The model of a key is in the file of its name, with signs that a file name may not have replaced by ``_``, and
 with a hash in place of the end where it is too long (`echocal.diagnose_fleet` writes them so).
@@ -10,7 +10,7 @@ import hashlib
 import json
 import os
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +18,7 @@ from echocal.errors import DataError, ModelError
 from echocal.keywords import keyword
 from echocal.model.composition import Model
 
-__all__ = ["INDEX", "WHOLE", "ModelFolder", "file_name", "label"]
+__all__ = ["INDEX", "WHOLE", "ModelFolder", "file_name", "index_text", "label", "named"]
 
 INDEX = "index.json"
 _SCHEMA = "echocal.models/1"
@@ -151,3 +151,33 @@ def _read_index(file: Path) -> Mapping[str, str] | None:
         )
         raise ModelError(message) from None
     return {str(key): name for key, name in models.items()}
+
+
+def named(keys: Iterable[str], taken: Iterable[str] = ()) -> dict[str, str]:
+    """File of each key: the key with signs that a file name may have; one that is taken gets a number.
+
+    Parameters
+    ----------
+    keys : iterable of str
+    taken : iterable of str
+        Names of other files, besides the index.
+
+    Examples
+    --------
+    >>> named(["tank 7", "tank_7"])
+    {'tank 7': 'tank_7.json', 'tank_7': 'tank_7-3de28510.json'}
+    """
+    files: dict[str, str] = {}
+    used = {INDEX, *taken}
+    for key in keys:
+        name = file_name(key)
+        if name.lower() in used:
+            name = file_name(key, taken=True)
+        used.add(name.lower())
+        files[key] = name
+    return files
+
+
+def index_text(models: Mapping[str, str]) -> str:
+    """The index of a folder of models: which file has the model of which key."""
+    return json.dumps({"schema": _SCHEMA, "models": dict(models)}, indent=1, ensure_ascii=False) + "\n"

@@ -11,8 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from echocal.errors import DataError, DomainWarning
 from echocal.model import added
 from echocal.model.residual_uncertainty import ResidualUncertainty
-from echocal.model.shape import Shape
-from echocal.model.smooth import Smooth
+from echocal.model.shape import Shape, Smooth
 
 __all__ = ["Parts", "parts", "standard_uncertainty", "stated"]
 

@@ -1,7 +1,7 @@
 """Charts as pictures: one renderer for what `echocal.charts` describes."""
 
 import textwrap
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import matplotlib.dates as dates
 import numpy as np
@@ -9,9 +9,12 @@ from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
 from echocal.charts.parts import Axis, Bars, Chart, Line, Panel, Points, Rug
-from echocal.plots.labels import fitted, title_beside
 
-__all__ = ["TONES", "draw_bars", "draw_chart", "draw_panel"]
+__all__ = ["TONES", "draw_bars", "draw_chart", "draw_panel", "fitted"]
+
+_MOST = 3  # lines
+_LABEL_CHARACTER, _TITLE_CHARACTER = 0.069, 0.062  # inches, at 9 and at 8 points
+_MARGIN = 0.2  # inches
 
 TONES = {
     "before": "#e0862a",
@@ -95,3 +98,21 @@ def _values(values: NDArray[np.floating], axis: Axis) -> NDArray[np.floating] | 
     if axis.begin is None:
         return values
     return axis.begin + (1e3 * values).astype("timedelta64[ms]")
+
+
+def title_beside(labels: Iterable[str], ax: Axes) -> int:
+    """Characters in a line of a title that begins to the right of the labels of the vertical axis."""
+    longest = max((len(line) for label in labels for line in label.splitlines()), default=0)
+    inches = ax.figure.bbox.width / ax.figure.dpi
+    return max(20, int((inches - _MARGIN - _LABEL_CHARACTER * longest) / _TITLE_CHARACTER))
+
+
+def fitted(text: str, width: int) -> str:
+    r"""Text in at most three lines of `width` characters; dollar signs do not begin mathematics.
+
+    Examples
+    --------
+    >>> fitted("a column of $dollars$ and cents", 16)
+    'a column of\n\\$dollars\\$ and\ncents'
+    """
+    return textwrap.fill(text, width, max_lines=_MOST, placeholder=" …").replace("$", r"\$")

@@ -14,9 +14,9 @@ from echocal.charts.results import errors_chart, residual_chart
 from echocal.diagnose import Diagnosis
 from echocal.model import Model
 from echocal.observations import Observations
+from echocal.plots.diagnosis import residuals_figure
 from echocal.plots.draw import draw_bars, draw_chart
 from echocal.plots.echo_times import echo_times_figure
-from echocal.plots.residuals import residuals_figure
 from echocal.plots.sweep import plot_sweep
 from echocal.sweep import sweep
 from echocal.verify import Verification

@@ -6,9 +6,15 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from echocal.charts.columns import drawn_columns
 from echocal.charts.diagnosis import gain_chart, posterior_chart
-from echocal.charts.errors import distance_chart, left_out_chart, over_chart, time_chart, truth_chart
+from echocal.charts.errors import (
+    distance_chart,
+    drawn_columns,
+    left_out_chart,
+    over_chart,
+    time_chart,
+    truth_chart,
+)
 from echocal.charts.parts import MOST, Chart
 from echocal.diagnose import Diagnosis
 from echocal.diagnose.catalogue import find_cause

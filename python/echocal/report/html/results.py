@@ -3,7 +3,7 @@
 from echocal.calibrate import Calibration
 from echocal.charts.results import columns_chart, errors_chart, residual_chart
 from echocal.observations.inspection import ColumnFacts, Inspection
-from echocal.report.html.sections import Head, Section, notes_of, sections_page
+from echocal.report.html.document import Head, Section, notes_of, sections_page
 from echocal.report.results import headline
 from echocal.verify import Verification
 

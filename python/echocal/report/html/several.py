@@ -8,8 +8,8 @@ from echocal.diagnose.pooling.explain import in_table_text, lead, sentence, size
 from echocal.diagnose.pooling.parts import PooledCause
 from echocal.diagnose.pooling.result import PooledDiagnosis
 from echocal.diagnose.results.explain import probability_text
-from echocal.report.fleet import false_names
-from echocal.report.html.sections import Head, Section, notes_of, sections_page
+from echocal.report.html.document import Head, Section, notes_of, sections_page
+from echocal.report.several import false_names
 
 __all__ = ["fleet_page", "pooled_page"]
 

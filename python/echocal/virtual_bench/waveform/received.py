@@ -10,13 +10,7 @@ from scipy.signal import lfilter
 from echocal.virtual_bench.waveform.burst import BurstResponse
 from echocal.virtual_bench.waveform.sensor import Comparator, Sensor
 
-__all__ = [
-    "HEARD",
-    "Noise",
-    "NoiseAlone",
-    "Received",
-    "first_crossing",
-]
+__all__ = ["HEARD", "Noise", "NoiseAlone", "Received", "first_crossing"]
 
 Labels = NDArray[np.int64]
 
