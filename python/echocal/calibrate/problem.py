@@ -1,16 +1,79 @@
 """A least-squares problem: residuals and exact derivatives of a form on given rows."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.calibrate.form import Column, Columns, Form, Parameter
-from echocal.calibrate.losses import LOSSES
+from echocal.observations import Observations
 
-__all__ = ["Problem"]
+__all__ = ["LOSSES", "Column", "Columns", "Form", "Parameter", "Problem", "psi", "robust_scale"]
+
+Column = NDArray[np.float64]
+Columns = Mapping[str, Column]
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A parameter to be estimated.
+
+    Attributes
+    ----------
+    name : str
+        Name in ``fit=[...]``, in results and in messages.
+    unit : str
+        SI unit.
+    start : float
+        Where the search begins.
+    bounds : tuple of float
+        Lowest and highest value, inclusive.
+    scale : float
+        A typical magnitude: the step away from a start at which all derivatives vanish.
+    """
+
+    name: str
+    unit: str = "1"
+    start: float = 0.0
+    bounds: tuple[float, float] = (-np.inf, np.inf)
+    scale: float = 1.0
+
+
+class Form(Protocol):
+    """A form that `calibrate` fits: a physical model or a regression."""
+
+    @property
+    def parameters(self) -> Sequence[Parameter]:
+        """What is estimated, in the order of the derivatives."""
+
+    @property
+    def unit(self) -> str:
+        """Unit of the response."""
+
+    @property
+    def has_intercept(self) -> bool:
+        """Whether R² compares with the mean (True) or with zero (False)."""
+
+    @property
+    def linear(self) -> bool:
+        """Whether the prediction is linear in the parameters: one step then finds them."""
+
+    def observed(self, observations: Observations) -> Column:
+        """What was observed, shape (n,)."""
+
+    def columns(self, observations: Observations) -> Columns:
+        """Return what the prediction reads, by name, each of shape (n,)."""
+
+    def evaluate(self, values: Column, columns: Columns) -> tuple[Column, NDArray[np.float64]]:
+        """Return the prediction (n,) and its exact derivatives (n, p) at these values."""
+
+    def fitted(self, values: Column, covariance: NDArray[np.float64]) -> Any:
+        """Return the object that holds what was found: a `Model`, a `Regression`."""
+
+
+Array = NDArray[np.float64]
+Loss = Callable[[Array], Array]
 
 TOLERANCE = 1e-12  # of cost, step and gradient; the last digits come from `polish`
 
@@ -113,3 +176,49 @@ class Problem:
                 break
             values, before = moved, size
         return values
+
+
+def _linear(z: Array) -> Array:
+    return np.stack([z, np.ones_like(z), np.zeros_like(z)])
+
+
+def _soft_l1(z: Array) -> Array:
+    t = 1.0 + z
+    return np.stack([2.0 * (np.sqrt(t) - 1.0), t**-0.5, -0.5 * t**-1.5])
+
+
+def _huber(z: Array) -> Array:
+    inner = z <= 1.0
+    t = np.where(inner, 1.0, z)
+    return np.stack(
+        [
+            np.where(inner, z, 2.0 * np.sqrt(t) - 1.0),
+            np.where(inner, 1.0, t**-0.5),
+            np.where(inner, 0.0, -0.5 * t**-1.5),
+        ]
+    )
+
+
+def _cauchy(z: Array) -> Array:
+    t = 1.0 + z
+    return np.stack([np.log1p(z), 1.0 / t, -1.0 / t**2])
+
+
+LOSSES: dict[str, Loss] = {"linear": _linear, "soft_l1": _soft_l1, "huber": _huber, "cauchy": _cauchy}
+"""rho, rho' and rho'' of the squared scaled residual, shape (3, n), as scipy takes them."""
+
+
+def psi(loss: str, residuals: Array, scale: float) -> tuple[Array, Array]:
+    """First and second derivative of the cost to each residual, each of shape (n,)."""
+    z = (residuals / scale) ** 2
+    _, first, second = LOSSES[loss](z)
+    return first * residuals, first + 2.0 * second * z
+
+
+def robust_scale(residuals: Array, parameters: int) -> float:
+    """Standard deviation from the median absolute residual, corrected for the parameters.
+
+    The factor 1.4826 = 1 / Phi^-1(3/4) makes it the standard deviation of a normal distribution.
+    """
+    n = len(residuals)
+    return float(1.4826 * np.median(np.abs(residuals)) * np.sqrt(n / max(n - parameters, 1)))

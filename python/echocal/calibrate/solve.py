@@ -6,9 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.calibrate.form import Column, Parameter
-from echocal.calibrate.losses import psi, robust_scale
-from echocal.calibrate.problem import Problem
+from echocal.calibrate.problem import Column, Parameter, Problem, psi, robust_scale
 from echocal.errors import ModelError
 
 __all__ = ["Solution", "solve"]
@@ -34,7 +32,7 @@ def solve(problem: Problem, loss: str, loss_scale: float | None) -> Solution:
     problem : Problem
         What is fitted, to which rows.
     loss : str
-        One of `echocal.calibrate.losses.LOSSES`.
+        One of `echocal.calibrate.problem.LOSSES`.
     loss_scale : float or None
         Residual at which the loss turns robust; None takes it from the residuals.
 

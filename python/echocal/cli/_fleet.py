@@ -11,8 +11,8 @@ from echocal.cli import _made_by
 from echocal.cli._console import Console
 from echocal.cli._outputs import Output, check_outputs, made_in, write_report
 from echocal.cli._tables import write_json
+from echocal.correct.batch import in_bytes
 from echocal.correct.inputs import find_inputs
-from echocal.correct.memory import in_bytes
 from echocal.errors import DataError, UsageError
 
 __all__ = ["How", "Outputs", "diagnose_sensors", "is_fleet", "refuse_options"]

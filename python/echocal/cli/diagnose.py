@@ -34,7 +34,7 @@ from echocal.cli._tables import (
     write_json,
 )
 from echocal.diagnose import Diagnosis, diagnose
-from echocal.engines.names import ENGINES
+from echocal.engines import ENGINES
 from echocal.errors import DomainWarning, UsageError
 from echocal.model import Model
 from echocal.outputs import csv_text, replace_text

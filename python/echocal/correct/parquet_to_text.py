@@ -17,11 +17,13 @@ from echocal.correct.parquet.file import (
     arrow_file,
     check_whole,
     keys_of,
+    names_of,
     opened_file,
+    read_pieces,
+    read_tables,
     surroundings_of,
     tally_of,
 )
-from echocal.correct.parquet.pieces import names_of, read_pieces, read_tables
 from echocal.correct.rows import Rows
 from echocal.correct.stream import corrected
 from echocal.correct.tables import results_of

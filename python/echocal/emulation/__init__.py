@@ -13,8 +13,13 @@ from numpy.typing import NDArray
 from echocal import silicon
 from echocal.emulation.inputs import Inputs, from_ranges, from_table
 from echocal.emulation.lines import columns_of, understood
-from echocal.emulation.package import columns_of_package, compile_package, package_of
-from echocal.emulation.parts import PARTS_OF_ERROR, error_parts
+from echocal.emulation.package import (
+    PARTS_OF_ERROR,
+    columns_of_package,
+    compile_package,
+    error_parts,
+    package_of,
+)
 from echocal.emulation.result import TRUTH, Emulation
 from echocal.errors import UsageError
 from echocal.firmware import Firmware

@@ -10,10 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from echocal.errors import DataError
-from echocal.fleet.labels import label
-from echocal.fleet.polar import Frame, polars
 from echocal.fleet.spill import KEY, PLACE, broken_files, pieces
-from echocal.fleet.tables import opened
+from echocal.fleet.tables import Frame, label, opened, polars
 from echocal.observations.layout import Layout
 from echocal.observations.plan import make
 

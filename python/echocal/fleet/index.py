@@ -5,15 +5,13 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from echocal.correct.inputs import Source
+from echocal.correct.inputs import Source, find_inputs
 from echocal.errors import DataError, among
-from echocal.fleet.labels import label
-from echocal.fleet.polar import polars
-from echocal.fleet.tables import Opened, opened
+from echocal.fleet.tables import Opened, label, opened, polars
 from echocal.observations.file import is_parquet
 from echocal.observations.layout import Layout
 
-__all__ = ["Index", "Sensor", "indexed"]
+__all__ = ["Files", "Index", "Sensor", "files_of", "indexed"]
 
 
 @dataclass
@@ -164,3 +162,40 @@ def _order(key: str) -> tuple[int, int, str]:
     """Numbers in their order, before other keys."""
     number = key.isascii() and key.isdigit() and len(key) < 19
     return (0, int(key), key) if number else (1, 0, key)
+
+
+@dataclass(frozen=True)
+class Files:
+    """The files of a fleet.
+
+    Attributes
+    ----------
+    sources : tuple of Source
+        Each file once, in the order of the inputs and of their names.
+    notes : tuple of str
+        What is left out.
+    """
+
+    sources: tuple[Source, ...]
+    notes: tuple[str, ...]
+
+
+def files_of(inputs: Sequence[str | Path]) -> Files:
+    """Find the files of paths, folders and globs.
+
+    Raises
+    ------
+    DataError
+        If a path does not exist, or has no table.
+    """
+    sources: dict[Path, Source] = {}
+    notes: list[str] = []
+    for given in inputs:
+        found = find_inputs(given)
+        if found.single and not found.files[0].file.exists():
+            message = f"no file {given}"
+            raise DataError(message)
+        for source in found.files:
+            sources.setdefault(source.file.resolve(), source)
+        notes += found.left_out()
+    return Files(tuple(sources.values()), tuple(notes))

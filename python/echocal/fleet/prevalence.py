@@ -10,8 +10,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from echocal.diagnose.candidates.variant import UNKNOWN
+from echocal.diagnose.faults import registry as faults
+from echocal.diagnose.noises import registry as noises
 from echocal.diagnose.settings import Settings
-from echocal.fleet.sets import Sets, sets_of
 
 __all__ = ["Prevalence", "prevalence"]
 
@@ -20,6 +22,145 @@ Ids = tuple[str, ...]
 
 _ROUNDS = 2000  # of the expectation maximization
 _SETTLED = 1e-6  # change of a prevalence: one sensor in a million
+Places = NDArray[np.intp]
+
+
+@dataclass(frozen=True)
+class Sets:
+    """The sets of causes of all sensors, one after the other. An entry is a cause in a set.
+
+    Attributes
+    ----------
+    causes : list of str
+    classes : list of list of int
+        Causes that some sensor cannot separate, by their places.
+    start : ndarray of int, shape (sensors + 1,)
+        First set of each sensor, and the number of all.
+    log_likelihood : ndarray, shape (sets,)
+        Posterior divided by prior: docs/method/several-tables.md, Eq. 57.
+    entry_set, entry_sensor, entry_cause : ndarray of int
+        Set, sensor and cause of each entry.
+    entry_weight : ndarray of int
+        Column whose odds an entry has: its cause, or, after the causes, its class.
+    competes : ndarray of bool, shape (sensors, causes)
+    prior : ndarray, shape (causes,)
+        Prior probability of each cause, the mean of the sensors where it competes.
+    """
+
+    causes: list[str]
+    classes: list[list[int]]
+    start: Places
+    log_likelihood: Column
+    entry_set: Places
+    entry_sensor: Places
+    entry_cause: Places
+    entry_weight: Places
+    competes: NDArray[np.bool_]
+    prior: Column
+
+    def probabilities(self, posterior: Column) -> Column:
+        """Probability of each cause in each sensor, shape (sensors, causes)."""
+        shape = self.competes.shape
+        at = self.entry_sensor * shape[1] + self.entry_cause
+        summed = np.bincount(at, posterior[self.entry_set], shape[0] * shape[1])
+        return np.asarray(summed, dtype=np.float64).reshape(shape)
+
+    def posterior(self, share: Column) -> Column:
+        """Probability of each set if causes are so common, shape (sensors, causes).
+
+        docs/method/several-tables.md, Eq. 59.
+
+        Causes that a sensor cannot separate divide the odds of their class evenly there.
+        """
+        most = 1 - 0.5 / (len(share) + 1)  # of sensors, all have the class: the rule of Laplace
+        log_odds = np.empty((len(share), len(self.causes) + len(self.classes)))
+        log_odds[:, : len(self.causes)] = np.log(share) - np.log1p(-share)
+        for place, members in enumerate(self.classes, start=len(self.causes)):
+            whole = np.minimum(share[:, members].sum(axis=1), most)
+            log_odds[:, place] = np.log(whole) - np.log1p(-whole) - np.log(len(members))
+        own = log_odds[self.entry_sensor, self.entry_weight]
+        log = self.log_likelihood + np.bincount(self.entry_set, own, len(self.log_likelihood))
+        counts = np.diff(self.start)
+        first = self.start[:-1]
+        weights = np.exp(log - np.repeat(np.maximum.reduceat(log, first), counts))
+        normalized: Column = weights / np.repeat(np.add.reduceat(weights, first), counts)
+        return normalized
+
+
+def sets_of(sensors: Sequence[Mapping[str, Any]], settings: Settings) -> Sets:
+    """Arrays of the records of some sensors, none of which failed.
+
+    Parameters
+    ----------
+    sensors : sequence of mapping
+        Records with ``posterior``, ``causes``, ``competing`` and ``terms``.
+    settings : Settings
+    """
+    others = _independent(settings)
+    effects = sorted({cause for one in sensors for cause in one["competing"]})
+    found = {id_ for one in sensors for ids, _ in one["posterior"] for id_ in ids}
+    causes = [*effects, *sorted(found - set(effects))]
+    place = {cause: n for n, cause in enumerate(causes)}
+    competes = np.zeros((len(sensors), len(causes)), dtype=np.bool_)
+    priors = np.zeros(competes.shape)
+    entries: list[tuple[int, int, int, int]] = []
+    log: list[float] = []
+    start = [0]
+    classes: dict[Ids, int] = {}
+    for number, one in enumerate(sensors):
+        of_count, mean = _priors(len(one["competing"]), settings)
+        able = [c for c in causes[len(effects) :] if c != UNKNOWN or one["terms"]]
+        for cause in (*one["competing"], *able):
+            competes[number, place[cause]] = True
+            priors[number, place[cause]] = others.get(cause, mean)
+        tied = _tied(one, classes, len(causes))
+        for ids, p in one["posterior"]:
+            known = [others[id_] for id_ in ids if id_ in others]
+            prior = of_count[len(ids) - len(known)] + sum(np.log(q) - np.log1p(-q) for q in known)
+            entries += [(len(log), number, place[id_], tied.get(id_, place[id_])) for id_ in ids]
+            log.append(np.log(p) - prior)
+        start.append(len(log))
+    columns = np.array(entries, dtype=np.intp).reshape(-1, 4).T
+    members = [[place[cause] for cause in ids] for ids in classes]
+    prior_of = priors.sum(axis=0) / competes.sum(axis=0)
+    return Sets(
+        causes,
+        members,
+        np.array(start),
+        np.array(log),
+        entry_set=columns[0],
+        entry_sensor=columns[1],
+        entry_cause=columns[2],
+        entry_weight=columns[3],
+        competes=competes,
+        prior=prior_of,
+    )
+
+
+def _tied(sensor: Mapping[str, Any], classes: dict[Ids, int], first: int) -> dict[str, int]:
+    """Column of the class of each cause that the data of a sensor cannot separate from a claim."""
+    tied: dict[str, int] = {}
+    able = {cause for ids, _ in sensor["posterior"] for cause in ids}
+    for claim in sensor["causes"]:
+        ids = tuple(sorted({claim["id"], *claim["indistinguishable_from"]} & able - set(tied)))
+        if len(ids) > 1:
+            tied |= dict.fromkeys(ids, first + classes.setdefault(ids, len(classes)))
+    return tied
+
+
+def _independent(settings: Settings) -> dict[str, float]:
+    """Causes with a prior probability of their own: terms, noises and faults."""
+    found = {UNKNOWN: settings.priors.unexplained_term}
+    found |= {noise.facts.id: settings.noises.prior(noise.facts) for noise in noises.NOISES}
+    return found | {fault.facts.id: settings.faults.prior(fault.facts) for fault in faults.FAULTS}
+
+
+def _priors(competing: int, settings: Settings) -> tuple[list[float], float]:
+    """Log prior of one set of each number of effects, and the prior of one effect: Eq. 7 and 8."""
+    counts = settings.priors.of_counts(competing)
+    of_set = [settings.priors.log_of_set(k, competing) for k in range(competing + 1)]
+    mean = sum(k * p for k, p in enumerate(counts)) / sum(counts)
+    return of_set, mean / max(competing, 1)
 
 
 @dataclass(frozen=True)

@@ -14,18 +14,16 @@ from echocal.correct.driver import sweep
 from echocal.correct.inputs import Source
 from echocal.diagnose.request import Request
 from echocal.diagnose.settings import Settings
-from echocal.engines import Engine, open_engine
+from echocal.engines import Engine, is_elsewhere, open_engine
 from echocal.engines.checks import check_workers
-from echocal.engines.here import Here
-from echocal.engines.names import is_elsewhere
+from echocal.engines.engine import Here
 from echocal.engines.processes import processors
 from echocal.errors import DataError, UsageError, writing
 from echocal.fleet import verdicts
-from echocal.fleet.index import Sensor, indexed
+from echocal.fleet.index import Sensor, files_of, indexed
 from echocal.fleet.judge import judged
 from echocal.fleet.plan import BYTES_A_ROW, digest, tasks_of
 from echocal.fleet.record import FAILED, failure
-from echocal.fleet.source import files_of
 from echocal.fleet.spill import is_spilled, plan_spills, run_spill
 from echocal.fleet.store import Store
 from echocal.fleet.summary import summary

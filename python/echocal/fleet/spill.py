@@ -12,10 +12,8 @@ from typing import Any
 
 from echocal.errors import DataError, writing
 from echocal.fleet.index import Sensor
-from echocal.fleet.labels import label
-from echocal.fleet.polar import Frame, polars
 from echocal.fleet.store import Store, put
-from echocal.fleet.tables import opened
+from echocal.fleet.tables import Frame, label, opened, polars
 from echocal.observations.file import is_parquet
 from echocal.observations.layout import Layout
 

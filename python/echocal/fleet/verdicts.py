@@ -7,7 +7,7 @@ from typing import Any
 
 from echocal._core import __version__
 from echocal.errors import writing
-from echocal.fleet.polar import Frame, polars
+from echocal.fleet.tables import Frame, polars
 from echocal.outputs import replacing, spreadsheet_safe
 
 __all__ = ["COLUMNS", "row", "table", "write"]

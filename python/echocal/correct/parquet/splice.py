@@ -7,8 +7,8 @@ from typing import Any, BinaryIO
 from echocal.correct.columns import labels_as_text
 from echocal.correct.parquet import footer as f
 from echocal.correct.parquet import thrift
-from echocal.correct.parquet.checks import PAGES, check
 from echocal.correct.parquet.encode import Encoded, result_elements, result_fields
+from echocal.correct.parquet.footer import PAGES, check
 from echocal.correct.parquet.thrift import STRUCT, Struct
 from echocal.correct.results import RESULTS
 from echocal.errors import DataError
