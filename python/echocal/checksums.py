@@ -22,10 +22,6 @@ def list_of(texts: Mapping[str, str], folder: Path) -> str:
         Text by path in the folder.
     folder : Path
         Folder that they go into.
-
-    Returns
-    -------
-    str
     """
     earlier = {name: digest for name, digest in unedited(folder).items() if name not in texts}
     made = {name: hashlib.sha256(text.encode()).hexdigest() for name, text in texts.items()}

@@ -249,10 +249,7 @@ def job_of(
 def in_bytes(text: int | str) -> int:
     """Bytes of an amount of memory.
 
-    Raises
-    ------
-    UsageError
-        If it is no amount, or too small for the libraries.
+    Raises `UsageError` if it is no amount, or too small for the libraries.
 
     Examples
     --------

@@ -29,17 +29,13 @@ def locked(file: Path) -> Iterator[bool]:
 
     The system gives a lock back when its process ends, however it ends. A process that the owner was starting
     when it was killed shares the lock for a moment. So the lock of an owner that is gone is waited for. Where
-    the file system has no such locks, the process that the file names must be gone.
+    the file system has no such locks, the process that the file names must be gone. Raises `UsageError` if
+    another process has it; the text names the process.
 
     Yields
     ------
     bool
         Whether the owner before was killed: it has left its name.
-
-    Raises
-    ------
-    UsageError
-        If another process has it; the text names the process.
     """
     with writing(file):
         file.parent.mkdir(parents=True, exist_ok=True)

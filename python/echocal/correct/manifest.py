@@ -39,6 +39,8 @@ _OF_THE_MACHINE = ("memory", "threads")  # options that change no output
 class Manifest:
     """What is done in a folder.
 
+    Raises `UsageError` if the folder was begun with another model, other options or another version.
+
     Parameters
     ----------
     out : Path or Object
@@ -51,11 +53,6 @@ class Manifest:
         Version of echocal.
     force : bool
         Begin anew where another model or other options were used.
-
-    Raises
-    ------
-    UsageError
-        If the folder was begun with another model, other options or another version.
     """
 
     def __init__(
@@ -116,10 +113,7 @@ class Manifest:
     def close(self, places: Iterable[str]) -> None:
         """Leave one line for each output. In a store, look whether each is there as this run has put it.
 
-        Raises
-        ------
-        OutputError
-            If another run has begun the folder anew, or has replaced one of the outputs.
+        Raises `OutputError` if another run has begun the folder anew, or has replaced one of the outputs.
         """
         if not isinstance(self.file, Object) or not isinstance(self.out, Object):
             if self._twice:
@@ -190,16 +184,13 @@ class Manifest:
 def check_owner(owner: Mapping[str, Any] | None) -> None:
     """Refuse to write where another run has begun the folder anew since.
 
+    Raises `OutputError` if the first line is another one now, or the manifest is gone.
+
     Parameters
     ----------
     owner : mapping or None
         ``folder`` of the outputs, file of the ``manifest``, and ``head``: its first line, as the run has
         written it. None: nobody else can have begun it.
-
-    Raises
-    ------
-    OutputError
-        If the first line is another one now, or the manifest is gone.
     """
     if owner is None:
         return

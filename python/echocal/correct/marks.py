@@ -25,10 +25,7 @@ Column = NDArray[np.float64]
 def rules_of(model: Model) -> tuple[RowRule, ...]:
     """Rules by which the diagnosis that made a model left rows out.
 
-    Raises
-    ------
-    ModelError
-        If the model has something else in their place.
+    Raises `ModelError` if the model has something else in their place.
     """
     return rules_from(_kept(model).get("rules", ()))
 

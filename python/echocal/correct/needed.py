@@ -24,30 +24,20 @@ _SOURCES = {"time": "elapsed_time", "times": "elapsed_time"}  # words of `derive
 
 @dataclass(frozen=True)
 class Needed:
-    """What a model reads of a table.
-
-    Attributes
-    ----------
-    columns : tuple of str
-        Columns to parse, in the order of the table.
-    requests : mapping of str to str
-        Meaning of these columns.
-    reference : mapping of str to str
-        Those of them that only rules for rows read, with their meaning; empty where the name says it.
-    assumed : tuple of str
-        Quantities of the air that the model reads, and that the table does not have.
-    remembers : tuple of str
-        What of the model depends on other rows of the log; empty if every row can be corrected by itself.
-    rows_around : int
-        Rows before and after a row that its marks depend on.
-    """
+    """What a model reads of a table."""
 
     columns: tuple[str, ...]
+    """Columns to parse, in the order of the table."""
     requests: Mapping[str, str]
+    """Meaning of these columns."""
     reference: Mapping[str, str]
+    """Those of them that only rules for rows read, with their meaning; empty where the name says it."""
     assumed: tuple[str, ...]
+    """Quantities of the air that the model reads, and that the table does not have."""
     remembers: tuple[str, ...]
+    """What of the model depends on other rows of the log; empty if every row can be corrected by itself."""
     rows_around: int
+    """Rows before and after a row that its marks depend on."""
 
 
 def needed(

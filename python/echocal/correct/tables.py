@@ -197,7 +197,6 @@ def appended(table: Any, whole: pd.DataFrame, results: Mapping[str, NDArray[Any]
 
     Parameters
     ----------
-    table : DataFrame of any library, or what was loaded
     whole : pandas.DataFrame
         What was loaded of it: the result where its kind holds no columns, or is not known.
     results : mapping of str to ndarray, shape (n,)

@@ -174,12 +174,7 @@ def replaced(place: Place, last: Callable[[], None] = lambda: None) -> Iterator[
     `last` is called right before; what it raises keeps what was there. What is written by
     `echocal.outputs.opened_output` tells errors of its own: any other is of what is read meanwhile.
 
-    Raises
-    ------
-    OutputError
-        If the output cannot be written.
-    DataError
-        If an input cannot be read.
+    Raises `OutputError` if the output cannot be written, and `DataError` if an input cannot be read.
     """
     if isinstance(place, Path):
         with writing(place.parent):

@@ -54,12 +54,8 @@ def text_to_parquet(
 ) -> Tally:
     """Correct a text file into a Parquet file; see `correct_text`.
 
-    The types of the columns are those that lose no digit; see `echocal.correct.text_to_parquet`.
-
-    Raises
-    ------
-    DataError
-        If the file cannot be read, or a model needs what it does not have; `out` is incomplete then.
+    The types of the columns are those that lose no digit; see `echocal.correct.text_to_parquet`. Raises
+    `DataError` if the file cannot be read, or a model needs what it does not have; `out` is incomplete then.
     """
     if job.append_only is not None:
         raise UsageError(f"{keyword('append_only')} is for Parquet to Parquet")
@@ -170,7 +166,6 @@ def possible(column: Any, decimal: str, among: Collection[str]) -> frozenset[str
 
     Parameters
     ----------
-    column : pyarrow.Array of texts
     decimal : str
         Decimal separator.
     among : collection of str

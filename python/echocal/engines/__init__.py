@@ -54,17 +54,15 @@ def is_elsewhere(engine: str | Engine) -> bool:
 def open_engine(name: str | Engine, workers: int = 1) -> Iterator[Engine]:
     """Open an engine for the time of a block.
 
+    Raises `UsageError` if there is no such engine, its library is not installed, or nobody answers at its
+    address.
+
     Parameters
     ----------
     name : str or Engine
         ``local``, ``dask-local``, ``dask://HOST:PORT``, ...; an engine that is open stays so.
     workers : int
         Processes of an engine of this machine. A cluster has its own.
-
-    Raises
-    ------
-    UsageError
-        If there is no such engine, its library is not installed, or nobody answers at its address.
     """
     if not isinstance(name, str):
         yield name

@@ -22,16 +22,12 @@ _SHOWN = 3
 def check_workers(engine: Engine, question: Mapping[str, Any]) -> None:
     """Ask every worker for its version, and for what it sees.
 
+    Raises `UsageError` if a worker would do other work than this process; the text names the worker.
+
     Parameters
     ----------
-    engine : Engine
     question : mapping
         See `sees`.
-
-    Raises
-    ------
-    UsageError
-        If a worker would do other work than this process; the text names the worker.
     """
     wrong = {
         worker: f"has {found}" for worker, own in engine.ask(eval, _VERSION).items() if (found := _other(own))

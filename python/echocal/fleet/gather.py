@@ -20,23 +20,12 @@ __all__ = ["Log", "logs"]
 
 @dataclass(frozen=True)
 class Log:
-    """The rows of a sensor.
+    """The rows of a sensor."""
 
-    Attributes
-    ----------
-    columns : mapping of str to ndarray, or polars.DataFrame
-        The table, or nothing where it cannot be read.
-    repeated : int
-        Rows that stand in two files and are used once.
-    notes : tuple of str
-    error : str
-        Why there is no table; else empty.
-    """
-
-    columns: Any
-    repeated: int = 0
+    columns: Any  # the table, or nothing where it cannot be read
+    repeated: int = 0  # rows that stand in two files and are used once
     notes: tuple[str, ...] = ()
-    error: str = ""
+    error: str = ""  # why there is no table; else empty
 
 
 def logs(

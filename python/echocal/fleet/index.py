@@ -39,40 +39,25 @@ class Sensor:
 
 @dataclass(frozen=True)
 class Index:
-    """All sensors of a fleet.
+    """All sensors of a fleet."""
 
-    Attributes
-    ----------
-    sensors : list of Sensor
-        In the order of their keys.
-    notes : tuple of str
-    unlabeled : int
-        Rows without a key.
-    broken : mapping of str to str
-        Files that cannot be read, with the reasons.
-    """
-
-    sensors: list[Sensor]
+    sensors: list[Sensor]  # in the order of their keys
     notes: tuple[str, ...]
-    unlabeled: int
-    broken: Mapping[str, str]
+    unlabeled: int  # rows without a key
+    broken: Mapping[str, str]  # files that cannot be read, with the reasons
 
 
 def indexed(files: Sequence[Source], by: str | None, kind: str | None, layout: Layout) -> Index:
     """Look where the rows of each sensor are.
 
+    Raises `DataError` if no file has a sensor, or the files of a sensor have different kinds.
+
     Parameters
     ----------
-    files : sequence of Source
     by : str or None
         Column or level of the folders that has the key; None: each file is the log of one sensor.
     kind : str or None
         Column or level of the folders that has the kind of a sensor.
-
-    Raises
-    ------
-    DataError
-        If no file has a sensor, or the files of a sensor have different kinds.
     """
     sensors: dict[str, Sensor] = {}
     kinds: dict[str, set[str]] = {}
@@ -166,27 +151,16 @@ def _order(key: str) -> tuple[int, int, str]:
 
 @dataclass(frozen=True)
 class Files:
-    """The files of a fleet.
+    """The files of a fleet."""
 
-    Attributes
-    ----------
-    sources : tuple of Source
-        Each file once, in the order of the inputs and of their names.
-    notes : tuple of str
-        What is left out.
-    """
-
-    sources: tuple[Source, ...]
-    notes: tuple[str, ...]
+    sources: tuple[Source, ...]  # each file once, in the order of the inputs and of their names
+    notes: tuple[str, ...]  # what is left out
 
 
 def files_of(inputs: Sequence[str | Path]) -> Files:
     """Find the files of paths, folders and globs.
 
-    Raises
-    ------
-    DataError
-        If a path does not exist, or has no table.
+    Raises `DataError` if a path does not exist, or has no table.
     """
     sources: dict[Path, Source] = {}
     notes: list[str] = []

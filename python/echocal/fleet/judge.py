@@ -13,37 +13,22 @@ __all__ = ["Judged", "Name", "false_discoveries", "judged"]
 
 @dataclass(frozen=True)
 class Name:
-    """A cause that is named in a sensor.
-
-    Attributes
-    ----------
-    sensor, cause : str
-    own, fleet : float
-        Probability of its class, from the sensor alone and given the fleet.
-    """
+    """A cause that is named in a sensor."""
 
     sensor: str
     cause: str
+    # own, fleet: probability of its class, from the sensor alone and given the fleet
     own: float
     fleet: float
 
 
 @dataclass(frozen=True)
 class Judged:
-    """All sensors, given the fleet.
+    """All sensors, given the fleet."""
 
-    Attributes
-    ----------
-    sensors : list of dict
-        For each record: ``verdict`` and ``causes``, with two probabilities each.
-    kinds : mapping of str to Prevalence
-    names : list of Name
-        Causes that may be named, whatever their probability is.
-    """
-
-    sensors: list[dict[str, Any]]
+    sensors: list[dict[str, Any]]  # for each record: ``verdict`` and ``causes``, with two probabilities each
     kinds: Mapping[str, Prevalence]
-    names: list[Name]
+    names: list[Name]  # causes that may be named, whatever their probability is
 
 
 def judged(records: Sequence[Mapping[str, Any]], settings: Settings) -> Judged:
@@ -102,7 +87,6 @@ def false_discoveries(names: Sequence[Name], named: float, accepted: float) -> d
 
     Parameters
     ----------
-    names : sequence of Name
     named : float
         Probability from which on a cause is named.
     accepted : float

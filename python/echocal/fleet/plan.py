@@ -27,7 +27,6 @@ def tasks_of(
 
     Parameters
     ----------
-    sensors : sequence of Sensor
     names : mapping of str to str
         File of each sensor.
     by : str or None

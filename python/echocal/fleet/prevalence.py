@@ -27,36 +27,25 @@ Places = NDArray[np.intp]
 
 @dataclass(frozen=True)
 class Sets:
-    """The sets of causes of all sensors, one after the other. An entry is a cause in a set.
-
-    Attributes
-    ----------
-    causes : list of str
-    classes : list of list of int
-        Causes that some sensor cannot separate, by their places.
-    start : ndarray of int, shape (sensors + 1,)
-        First set of each sensor, and the number of all.
-    log_likelihood : ndarray, shape (sets,)
-        Posterior divided by prior: docs/method/several-tables.md, Eq. 57.
-    entry_set, entry_sensor, entry_cause : ndarray of int
-        Set, sensor and cause of each entry.
-    entry_weight : ndarray of int
-        Column whose odds an entry has: its cause, or, after the causes, its class.
-    competes : ndarray of bool, shape (sensors, causes)
-    prior : ndarray, shape (causes,)
-        Prior probability of each cause, the mean of the sensors where it competes.
-    """
+    """The sets of causes of all sensors, one after the other. An entry is a cause in a set."""
 
     causes: list[str]
     classes: list[list[int]]
+    """Causes that some sensor cannot separate, by their places."""
     start: Places
+    """First set of each sensor, and the number of all; shape (sensors + 1,)."""
     log_likelihood: Column
+    # entry_set, entry_sensor, entry_cause: set, sensor and cause of each entry
+    """Posterior divided by prior: docs/method/several-tables.md, Eq. 57; shape (sets,)."""
     entry_set: Places
     entry_sensor: Places
     entry_cause: Places
     entry_weight: Places
+    """Column whose odds an entry has: its cause, or, after the causes, its class."""
     competes: NDArray[np.bool_]
+    """shape (sensors, causes)."""
     prior: Column
+    """Prior probability of each cause, the mean of the sensors where it competes; shape (causes,)."""
 
     def probabilities(self, posterior: Column) -> Column:
         """Probability of each cause in each sensor, shape (sensors, causes)."""
@@ -94,7 +83,6 @@ def sets_of(sensors: Sequence[Mapping[str, Any]], settings: Settings) -> Sets:
     ----------
     sensors : sequence of mapping
         Records with ``posterior``, ``causes``, ``competing`` and ``terms``.
-    settings : Settings
     """
     others = _independent(settings)
     effects = sorted({cause for one in sensors for cause in one["competing"]})
@@ -165,24 +153,16 @@ def _priors(competing: int, settings: Settings) -> tuple[list[float], float]:
 
 @dataclass(frozen=True)
 class Prevalence:
-    """Causes of a kind of sensors.
-
-    Attributes
-    ----------
-    share : mapping of str to float
-        Part of the sensors that have a cause, among those where it competes.
-    uncertainty : mapping of str to float
-        Standard uncertainty of it.
-    prior : mapping of str to float
-        What it is without the fleet.
-    posteriors : list of list of (tuple of str, float)
-        Of each sensor, given the others: sets of causes and their probabilities.
-    """
+    """Causes of a kind of sensors."""
 
     share: Mapping[str, float]
+    """Part of the sensors that have a cause, among those where it competes."""
     uncertainty: Mapping[str, float]
+    """Standard uncertainty of it."""
     prior: Mapping[str, float]
+    """What it is without the fleet."""
     posteriors: list[list[tuple[Ids, float]]]
+    """Of each sensor, given the others: sets of causes and their probabilities."""
 
     def probability(self, place: int, causes: Sequence[str]) -> float:
         """Probability that a sensor has at least one of these causes, given the others."""
@@ -196,11 +176,6 @@ def prevalence(sensors: Sequence[Mapping[str, Any]], settings: Settings) -> Prev
     ----------
     sensors : sequence of mapping
         Records with ``posterior``, ``causes``, ``competing`` and ``terms``.
-    settings : Settings
-
-    Returns
-    -------
-    Prevalence
     """
     sets = sets_of(sensors, settings)
     weight = settings.fleet.prior_sensors

@@ -36,7 +36,6 @@ def plan_spills(
 
     Parameters
     ----------
-    sensors : sequence of Sensor
     tasks : list of dict
         The tasks of the diagnosis. Each gets a ``bucket`` if its sensors are divided.
     job : mapping
@@ -126,10 +125,7 @@ def broken_files(store: Path) -> dict[int, str]:
 def pieces(store: Path, bucket: int, keys: Sequence[str]) -> Iterator[tuple[int, str, Frame]]:
     """Rows of some sensors of a bucket, by place of the input file and by key.
 
-    Raises
-    ------
-    DataError
-        If a piece cannot be read.
+    Raises `DataError` if a piece cannot be read.
     """
     pl = polars()
     for path in sorted((store / "rows" / f"{bucket:06d}").glob("[0-9]*.parquet")):

@@ -37,12 +37,7 @@ def put(path: Path, data: bytes) -> str:
 
 
 class Store:
-    """The folder with what a run has finished.
-
-    Parameters
-    ----------
-    folder : Path
-    """
+    """The folder with what a run has finished."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
@@ -52,10 +47,7 @@ class Store:
     def locked(self) -> Iterator[None]:
         """Keep other runs out; the lock ends with the process, however it ends.
 
-        Raises
-        ------
-        UsageError
-            If another run has the folder.
+        Raises `UsageError` if another run has the folder.
         """
         with locked(self.folder / FOLDER / "lock"):
             yield
@@ -63,10 +55,7 @@ class Store:
     def begin(self, job: Mapping[str, Any], force: bool) -> None:
         """Record what the run is, or find that it is the one that was begun.
 
-        Raises
-        ------
-        UsageError
-            If the folder has another run.
+        Raises `UsageError` if the folder has another run.
         """
         if self.job.exists():
             before = _json(self.job)
@@ -85,15 +74,12 @@ class Store:
     def check(self, run: str | None) -> None:
         """Refuse to write for a run that this folder is not of any more: its task has outlived it.
 
+        Raises `OutputError` if another run has begun since, or the run has ended.
+
         Parameters
         ----------
         run : str or None
             SHA-256 of the file that says what the run is; None: nobody else can have the folder.
-
-        Raises
-        ------
-        OutputError
-            If another run has begun since, or the run has ended.
         """
         if run is not None and (not self.job.is_file() or file_digest(self.job) != run):
             message = f"{self.folder} was begun anew by another run, or has ended; this run leaves it alone"

@@ -29,9 +29,6 @@ def summary(
     ----------
     rows : sequence of mapping
         Rows of the table of verdicts.
-    found : Judged
-    settings : Settings
-    notes : sequence of str
     seconds : float
         That the run took [s].
     """
@@ -135,7 +132,6 @@ def together(rows: Sequence[Mapping[str, Any]], settings: Settings) -> list[dict
     ----------
     rows : sequence of mapping
         Rows of the table of verdicts.
-    settings : Settings
 
     Returns
     -------

@@ -28,13 +28,7 @@ Frame: TypeAlias = Any
 
 
 def polars() -> Any:
-    """The library.
-
-    Raises
-    ------
-    UsageError
-        If it is not installed.
-    """
+    """The library. Raises `UsageError` if it is not installed."""
     try:
         return import_module("polars")
     except ImportError:
@@ -64,17 +58,12 @@ class Opened:
     ) -> Frame:
         """Read expressions of columns, of the rows for which an expression holds.
 
+        Raises `DataError` if the file cannot be read.
+
         Parameters
         ----------
-        columns : sequence of polars.Expr
-        where : polars.Expr, optional
         rows : (int, int or None)
             First of the rows that are looked at, and their number.
-
-        Raises
-        ------
-        DataError
-            If the file cannot be read.
         """
         lazy = self._lazy if rows == (0, None) else self._lazy.slice(*rows)
         lazy = lazy if where is None else lazy.filter(where)
@@ -84,15 +73,12 @@ class Opened:
 def opened(path: Path, layout: Layout, *, compare: bool = True) -> Opened:
     """Open a file.
 
+    Raises `DataError` if it cannot be read.
+
     Parameters
     ----------
     compare : bool
         Whether the checksums of its pages are compared, where it has them: polars does not.
-
-    Raises
-    ------
-    DataError
-        If it cannot be read.
     """
     pl = polars()
     file = TextFile(path, layout)
@@ -148,10 +134,7 @@ def label(name: str, kind: Any) -> Any:
 def compare_checksums(path: Path) -> None:
     """Compare all checksums of a Parquet file; once for the file as it is now.
 
-    Raises
-    ------
-    DataError
-        If a page is damaged.
+    Raises `DataError` if a page is damaged.
     """
     _compare(path, tuple(stamp(path).items()))
 

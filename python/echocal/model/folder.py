@@ -34,7 +34,6 @@ def file_name(key: str, *, taken: bool = False) -> str:
 
     Parameters
     ----------
-    key : str
     taken : bool
         Whether another key has that name: this one then has the hash, too.
 
@@ -73,10 +72,7 @@ def label(value: Any) -> str:
 class ModelFolder:
     """Models by key, read when they are asked for.
 
-    Raises
-    ------
-    ModelError
-        If the folder or its index cannot be read.
+    Raises `ModelError` if the folder or its index cannot be read.
     """
 
     def __init__(self, folder: Path) -> None:
@@ -91,12 +87,7 @@ class ModelFolder:
     def model(self, key: str) -> Model | None:
         """The model of a key; None where there is none.
 
-        Raises
-        ------
-        ModelError
-            If its file is no model.
-        DataError
-            If two keys would have the same file.
+        Raises `ModelError` if its file is no model, and `DataError` if two keys would have the same file.
         """
         if key not in self._models:
             file = self._file(key)
@@ -106,13 +97,7 @@ class ModelFolder:
         return self._models[key]
 
     def digest(self) -> str:
-        """SHA-256 of the names and contents of all files.
-
-        Raises
-        ------
-        ModelError
-            If one cannot be read.
-        """
+        """SHA-256 of the names and contents of all files. Raises `ModelError` if one cannot be read."""
         total = hashlib.sha256()
         for file in sorted(self.folder.glob("*.json")):
             try:
@@ -158,7 +143,6 @@ def named(keys: Iterable[str], taken: Iterable[str] = ()) -> dict[str, str]:
 
     Parameters
     ----------
-    keys : iterable of str
     taken : iterable of str
         Names of other files, besides the index.
 

@@ -89,10 +89,7 @@ M = TypeVar("M", bound=_Model)
 def built(model: Callable[..., M], path: Path, text: str | None = None) -> M:
     """Build the model of a file; with a text, this is its content.
 
-    Raises
-    ------
-    ModelError
-        If it is no valid model, or does not match its hash; the text begins with the path.
+    Raises `ModelError` if it is no valid model, or does not match its hash; the text begins with the path.
     """
     given, covariance, listed = _read(path, text)
     try:

@@ -60,22 +60,14 @@ def save_diagnosis(diagnosis: Diagnosis, folder: str | Path, form: str = "png") 
     If there is an unexplained term, ``unexplained.png`` shows it. If a smooth correction is offered,
     ``smooth.png`` shows its parts.
 
+    Raises `UsageError` if the folder cannot be written.
+
     Parameters
     ----------
-    diagnosis : Diagnosis
     folder : path
         Created if it does not exist.
     form : {"png", "svg", "pdf"}
         Format of the files, which is their ending, too.
-
-    Returns
-    -------
-    list of Path
-
-    Raises
-    ------
-    UsageError
-        If the folder cannot be written.
     """
     folder = Path(folder)
     with mpl.rc_context({"font.size": 9, "axes.spines.top": False, "axes.spines.right": False}):
@@ -103,13 +95,7 @@ def _single(diagnosis: Diagnosis, plot: object, size: tuple[float, float]) -> Fi
 
 
 def plot_gain(diagnosis: Diagnosis, ax: Axes) -> None:
-    """Error on cross-validated or held-out rows, as the causes are added.
-
-    Parameters
-    ----------
-    diagnosis : Diagnosis
-    ax : matplotlib.axes.Axes
-    """
+    """Error on cross-validated or held-out rows, as the causes are added."""
     chart = gain_chart(diagnosis)
     if chart is None:
         ax.text(0.5, 0.5, "the gain was not measured", ha="center", transform=ax.transAxes)
@@ -118,13 +104,7 @@ def plot_gain(diagnosis: Diagnosis, ax: Axes) -> None:
 
 
 def plot_posterior(diagnosis: Diagnosis, ax: Axes) -> None:
-    """Probability of the sets of causes; sets that the data cannot separate share a bar.
-
-    Parameters
-    ----------
-    diagnosis : Diagnosis
-    ax : matplotlib.axes.Axes
-    """
+    """Probability of the sets of causes; sets that the data cannot separate share a bar."""
     said = lead(diagnosis)
     finding = f"{diagnosis.verdict}: {said[0].lower()}{said[1:]}"
     draw_bars(posterior_chart(diagnosis, _MOST), ax, [finding, *class_texts(diagnosis)])
@@ -191,13 +171,7 @@ def next_figure(diagnosis: Diagnosis) -> Figure:
 
 
 def plot_next(diagnosis: Diagnosis, ax: Axes) -> None:
-    """Proposed rows among the measured rows, over the two conditions that the proposal varies.
-
-    Parameters
-    ----------
-    diagnosis : Diagnosis
-    ax : matplotlib.axes.Axes
-    """
+    """Proposed rows among the measured rows, over the two conditions that the proposal varies."""
     plans = [p for p in diagnosis.next_measurements if p.expected_probability is not None]
     if not plans:
         ax.axis("off")
@@ -303,8 +277,6 @@ def plot_residuals(diagnosis: Diagnosis, ax: Axes, against: str, which: str = "b
 
     Parameters
     ----------
-    diagnosis : Diagnosis
-    ax : matplotlib.axes.Axes
     against : str
         A name in ``diagnosis.traces.against``.
     which : {"before", "after"}
@@ -315,13 +287,7 @@ def plot_residuals(diagnosis: Diagnosis, ax: Axes, against: str, which: str = "b
 
 
 def plot_unexplained(diagnosis: Diagnosis, ax: Axes) -> None:
-    """Unexplained term against its column, with its uncertainty, over the residuals of all rows.
-
-    Parameters
-    ----------
-    diagnosis : Diagnosis
-    ax : matplotlib.axes.Axes
-    """
+    """Unexplained term against its column, with its uncertainty, over the residuals of all rows."""
     found = diagnosis.unexplained
     if found is None or found.shape is None:
         ax.axis("off")

@@ -25,7 +25,6 @@ def echo_times_figure(
 
     Parameters
     ----------
-    echoes : EchoTimes
     waveform : ndarray, shape (..., N), optional
         The captures.
     sample_rate : float

@@ -21,19 +21,14 @@ _MAKER = {"png": "Software", "svg": "Creator", "pdf": "Creator", "ps": "Creator"
 def save_figure(figure: Figure, path: Path, command: str, **options: Any) -> None:
     """Write a figure, complete or not at all, in the format of its ending.
 
+    Raises `UsageError` if the file cannot be written.
+
     Parameters
     ----------
-    figure : Figure
-    path : Path
     command : str
         Command that made it; written to the file if its format allows.
     **options
         As for `Figure.savefig`.
-
-    Raises
-    ------
-    UsageError
-        If the file cannot be written.
     """
     ending = path.suffix.lower().removeprefix(".")
     metadata = {_MAKER[ending]: f"echocal {command}"} if ending in _MAKER else None
@@ -44,10 +39,7 @@ def save_figure(figure: Figure, path: Path, command: str, **options: Any) -> Non
 def in_form(names: Iterable[str], form: str) -> tuple[str, ...]:
     """Names of files with the ending of a format.
 
-    Raises
-    ------
-    UsageError
-        If it is none of `FORMS`.
+    Raises `UsageError` if it is none of `FORMS`.
 
     Examples
     --------

@@ -35,6 +35,8 @@ PICTURES = ("fleet.png",)
 def save_fleet(summary: Mapping[str, Any], folder: str | Path, form: str = "png") -> list[Path]:
     """Write ``fleet.png``: in how many sensors each cause is, and what it costs there.
 
+    Raises `UsageError` if the folder cannot be written.
+
     Parameters
     ----------
     summary : mapping
@@ -43,15 +45,6 @@ def save_fleet(summary: Mapping[str, Any], folder: str | Path, form: str = "png"
         Created if it does not exist.
     form : {"png", "svg", "pdf"}
         Format of the file, which is its ending, too.
-
-    Returns
-    -------
-    list of Path
-
-    Raises
-    ------
-    UsageError
-        If the folder cannot be written.
     """
     folder = Path(folder)
     charts = [chart for chart in (counts_chart(summary), errors_chart(summary)) if chart is not None]
@@ -78,22 +71,14 @@ def save_fleet(summary: Mapping[str, Any], folder: str | Path, form: str = "png"
 def save_pooled(pooled: PooledDiagnosis, folder: str | Path, form: str = "png") -> list[Path]:
     """Write ``sizes.png``: the sizes of the shared causes in each table.
 
+    Raises `UsageError` if the folder cannot be written.
+
     Parameters
     ----------
-    pooled : PooledDiagnosis
     folder : path
         Created if it does not exist.
     form : {"png", "svg", "pdf"}
         Format of the file, which is its ending, too.
-
-    Returns
-    -------
-    list of Path
-
-    Raises
-    ------
-    UsageError
-        If the folder cannot be written.
     """
     folder = Path(folder)
     panels = [
@@ -121,10 +106,8 @@ def plot_sizes(cause: PooledCause, name: str, ax: Axes) -> None:
 
     Parameters
     ----------
-    cause : PooledCause
     name : str
         A parameter of the cause.
-    ax : matplotlib.axes.Axes
     """
     shared = next(p for p in cause.parameters if p.name == name)
     factor, unit = readable(shared.value, shared.unit)

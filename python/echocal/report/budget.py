@@ -40,10 +40,8 @@ def print_budget(budget: Budget, row: int, console: Console) -> None:
 
     Parameters
     ----------
-    budget : Budget
     row : int
         Its place.
-    console : rich.console.Console
     """
     title = f"budget of row {budget.row[row]}: {conditions_text(budget, row)}"
     table = Table(title=title, box=SIMPLE_HEAD, padding=(0, 1, 0, 0), title_justify="left")

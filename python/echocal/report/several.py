@@ -38,7 +38,6 @@ def print_fleet(summary: Mapping[str, Any], console: Console) -> None:
     ----------
     summary : mapping
         Schema ``echocal.fleet/1``.
-    console : rich.console.Console
     """
     console.print(_head(summary))
     if summary["causes"]:
@@ -161,13 +160,7 @@ def _mm(value: float | None) -> str:
 
 
 def print_pooled(pooled: PooledDiagnosis, console: Console) -> None:
-    """Print a pooled diagnosis for a person.
-
-    Parameters
-    ----------
-    pooled : PooledDiagnosis
-    console : rich.console.Console
-    """
+    """Print a pooled diagnosis for a person."""
     said = lead(pooled)
     rows = sum(table.diagnosis.rows["used"] for table in pooled.tables.values())
     head = [

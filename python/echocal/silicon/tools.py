@@ -13,13 +13,7 @@ from echocal.errors import EchocalError
 
 
 def run(*command: str | Path) -> str:
-    """Return the standard output of a command.
-
-    Raises
-    ------
-    EchocalError
-        If it fails, with what it said.
-    """
+    """Return the standard output of a command. Raises `EchocalError` if it fails, with what it said."""
     code, out, said = attempt(*command)
     if code != 0:
         message = f"{' '.join(map(str, command))}: {(said or out).strip() or f'exit code {code}'}"

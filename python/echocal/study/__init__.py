@@ -22,21 +22,11 @@ HUMIDITIES = {"dry air": 0.0, "50 % RH": 0.5, "100 % RH": 1.0}
 
 @dataclass(frozen=True)
 class Curves:
-    """Readings [m] of the sensor at 2 m.
+    """Readings [m] of the sensor at 2 m."""
 
-    Attributes
-    ----------
-    temperature : ndarray, shape (n,)
-        Temperatures [degC].
-    stated : ndarray, shape (n,)
-        By the study's equation.
-    air : dict of str to ndarray, shape (n,)
-        In true air, by humidity.
-    """
-
-    temperature: NDArray[np.float64]
-    stated: NDArray[np.float64]
-    air: dict[str, NDArray[np.float64]]
+    temperature: NDArray[np.float64]  # temperatures [degC]; shape (n,)
+    stated: NDArray[np.float64]  # by the study's equation; shape (n,)
+    air: dict[str, NDArray[np.float64]]  # in true air, by humidity; shape (n,)
 
     @classmethod
     def of(cls, tables: Tables) -> "Curves":
@@ -60,27 +50,13 @@ assert checks.__all__  # importing the package registers the checks
 
 @dataclass(frozen=True)
 class Study:
-    """Everything found about the study.
+    """Everything found about the study."""
 
-    Attributes
-    ----------
-    tables : Tables
-        The tables that were judged.
-    findings : list of Finding
-        One per claim, in the order of ``claims.toml``.
-    discoveries : list of Discovery
-        What the tables give away.
-    alternatives : list of Alternative
-        Single changes that may explain the Tinkercad column.
-    curves : Curves
-        The study's sensor in true air, for the figures.
-    """
-
-    tables: Tables
-    findings: list[Finding]
-    discoveries: list[Discovery]
-    alternatives: list[Alternative]
-    curves: Curves
+    tables: Tables  # the tables that were judged
+    findings: list[Finding]  # one per claim, in the order of ``claims.toml``
+    discoveries: list[Discovery]  # what the tables give away
+    alternatives: list[Alternative]  # single changes that may explain the Tinkercad column
+    curves: Curves  # the study's sensor in true air, for the figures
 
     @property
     def verdicts(self) -> dict[str, int]:

@@ -27,33 +27,22 @@ uncompensated sensor. [The study, recomputed](study.md) judges its claims one by
 
 @dataclass(frozen=True)
 class Question:
-    """One look at one column of the study.
-
-    Attributes
-    ----------
-    title : str
-    table, column : str
-        Where the readings are.
-    base : str
-        Law of the base simulation.
-    reading_speed : str or None
-        Speed that the readings were made with, as the engine is told; None: it is not told.
-    finds : tuple of str
-        Causes, each alone or within its class, that the sentence is about.
-    misses : tuple of str
-        Causes that the sentence says are not found.
-    means : str
-        What that means for the study.
-    """
+    """One look at one column of the study."""
 
     title: str
+    # table, column: where the readings are
     table: str
     column: str
     base: str
+    """Law of the base simulation."""
     reading_speed: str | None
+    """Speed that the readings were made with, as the engine is told; None: it is not told."""
     finds: tuple[str, ...]
+    """Causes, each alone or within its class, that the sentence is about."""
     misses: tuple[str, ...]
+    """Causes that the sentence says are not found."""
     means: str
+    """What that means for the study."""
 
 
 @dataclass(frozen=True)
@@ -138,10 +127,6 @@ def ask(tables: Tables | None = None) -> list[Answer]:
     ----------
     tables : Tables, optional
         Other tables than those that the package ships.
-
-    Returns
-    -------
-    list of Answer
 
     Examples
     --------

@@ -17,11 +17,6 @@ SLACK = 1e-9  # of half a digit: a number that lies on the edge rounds either wa
 class Printed:
     """A number as printed: every value that rounds to it is meant.
 
-    Parameters
-    ----------
-    text : str
-        The number as printed, e.g. ``"2.071"`` or ``"6.13e-6"``.
-
     Examples
     --------
     >>> printed = Printed("2.071")
@@ -31,7 +26,7 @@ class Printed:
     (True, False)
     """
 
-    text: str
+    text: str  # the number as printed, e.g. ``"2.071"`` or ``"6.13e-6"``.
 
     @property
     def value(self) -> float:

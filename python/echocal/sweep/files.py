@@ -33,10 +33,7 @@ def table(grid: xr.Dataset) -> pd.DataFrame:
 def refuse_ending(path: Path) -> None:
     """Refuse a file that no sweep can be written as.
 
-    Raises
-    ------
-    UsageError
-        If its ending is none of .csv, .parquet and .nc.
+    Raises `UsageError` if its ending is none of .csv, .parquet and .nc.
     """
     if path.suffix not in _ENDINGS:
         message = f"cannot write '{path.suffix}' ({path}); endings: {', '.join(_ENDINGS)}"
@@ -46,10 +43,7 @@ def refuse_ending(path: Path) -> None:
 def write(grid: xr.Dataset, path: Path) -> None:
     """Write a sweep as .csv, .parquet or .nc; a file is either complete or not there.
 
-    Raises
-    ------
-    UsageError
-        If the ending is another, Parquet lacks its library, or the file cannot be written.
+    Raises `UsageError` if the ending is another, Parquet lacks its library, or the file cannot be written.
     """
     refuse_ending(path)
     try:

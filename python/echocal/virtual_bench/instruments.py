@@ -40,49 +40,33 @@ Sensors 24, 1564, doi:10.3390/s24051564."""
 
 @dataclass(frozen=True)
 class Thermometer:
-    """A thermometer, as one part of its kind.
-
-    Attributes
-    ----------
-    name : str
-        Its kind.
-    tolerance : float
-        Standard deviation of the offsets of parts at 25 degC [K]; half of the data sheet's limit.
-    gain_tolerance : float
-        Standard deviation of the gains of parts [1].
-    step : float
-        Step of the record [K]; 0 for none.
-    noise : float
-        Standard deviation of a reading [K].
-    time_constant : float
-        Of the body in the air [s]; 0 for a body that follows at once.
-    self_heating : float
-        Warming by its own current [K].
-    sun : float
-        Warming at 1000 W/m2 [K].
-    late_readings : int
-        Readings by which the record is late.
-    low, high : float
-        Range [degC]; a record stays within it.
-    offset : float
-        Offset of this part at 25 degC [K].
-    gain : float
-        Gain of this part [1].
-    """
+    """A thermometer, as one part of its kind."""
 
     name: str
+    """Its kind."""
     tolerance: float = 0.0
+    """Standard deviation of the offsets of parts at 25 degC [K]; half of the data sheet's limit."""
     gain_tolerance: float = 0.0
+    """Standard deviation of the gains of parts [1]."""
     step: float = 0.0
+    """Step of the record [K]; 0 for none."""
     noise: float = 0.0
+    """Standard deviation of a reading [K]."""
     time_constant: float = 0.0
+    """Of the body in the air [s]; 0 for a body that follows at once."""
     self_heating: float = 0.0
+    """Warming by its own current [K]."""
     sun: float = 0.0
+    """Warming at 1000 W/m2 [K]."""
     late_readings: int = 0
+    # low, high: range [degC]; a record stays within it
+    """Readings by which the record is late."""
     low: float = -273.15
     high: float = 1000.0
     offset: float = 0.0
+    """Offset of this part at 25 degC [K]."""
     gain: float = 1.0
+    """Gain of this part [1]."""
 
     def drawn(self, random: np.random.Generator) -> Self:
         """Return one part of this kind, with an offset and a gain within its tolerances."""
@@ -114,6 +98,8 @@ class Thermometer:
     ) -> Column:
         """What is recorded.
 
+        Raises `UsageError` if shapes differ or times do not ascend.
+
         Parameters
         ----------
         temperature : array_like, shape (n,)
@@ -130,11 +116,6 @@ class Thermometer:
         -------
         ndarray, shape (n,)
             Temperature [degC].
-
-        Raises
-        ------
-        UsageError
-            If shapes differ or times do not ascend.
 
         Examples
         --------
@@ -285,30 +266,19 @@ PARTS = {part.name.lower(): part for part in (TMP36, LM35, POTENTIOMETER, DHT22,
 
 @dataclass(frozen=True)
 class AnalogHygrometer:
-    """A hygrometer with a voltage that is proportional to its supply.
+    """A hygrometer with a voltage that is proportional to its supply."""
 
-    Attributes
-    ----------
-    name : str
-        Its kind.
-    at_zero, slope : float
-        Voltage as a share of the supply: at 0, and per unit of relative humidity, at 25 degC [1].
-    sensitivity, sensitivity_slope : float
-        What it shows is the relative humidity times ``sensitivity + sensitivity_slope * temperature``
-        [1], [1/degC].
-    tolerance : float
-        Standard deviation of the offsets of parts [1]; half of the data sheet's limit.
-    offset : float
-        Offset of this part [1].
-    """
-
-    name: str
+    name: str  # its kind
+    # at_zero, slope: voltage as a share of the supply: at 0, and per unit of relative humidity, at 25 degC
+    # [1]
     at_zero: float
     slope: float
+    # sensitivity, sensitivity_slope: what it shows is the relative humidity times ``sensitivity +
+    # sensitivity_slope * temperature`` [1], [1/degC]
     sensitivity: float = 1.0
     sensitivity_slope: float = 0.0
-    tolerance: float = 0.0
-    offset: float = 0.0
+    tolerance: float = 0.0  # standard deviation of the offsets of parts [1]; half of the data sheet's limit
+    offset: float = 0.0  # offset of this part [1]
 
     def drawn(self, random: np.random.Generator) -> "AnalogHygrometer":
         """Return one part of this kind."""

@@ -40,24 +40,16 @@ Real = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Request:
-    """What is the same for all captures.
-
-    Attributes
-    ----------
-    plan : Plan
-        Template, band and filters.
-    reference : Detection
-        The template alone, without noise.
-    reference_time : float
-        Origin of the template in `reference` [s].
-    threshold : ndarray or None
-        Threshold of the comparator [unit of the waveform], shape (n,); None takes it from the noise.
-    """
+    """What is the same for all captures."""
 
     plan: Plan
+    """Template, band and filters."""
     reference: Detection
+    """The template alone, without noise."""
     reference_time: float
+    """Origin of the template in `reference` [s]."""
     threshold: Real | None = None
+    """Threshold of the comparator [unit of the waveform], shape (n,); None takes it from the noise."""
 
     @classmethod
     def of(cls, plan: Plan) -> "Request":
@@ -228,22 +220,13 @@ def _rise_before(found: Detection, crest: Real, height: Real, level: Real, angul
 
 @dataclass(frozen=True)
 class Rise:
-    """Rises of envelopes.
+    """Rises of envelopes."""
 
-    Attributes
-    ----------
-    time : ndarray, shape (n,)
-        Time at which the envelope reaches the fraction of its maximum [s].
-    peak_time, peak : ndarray
-        Time [s] and value of the maximum.
-    slope : ndarray
-        Slope at `time` [1/s].
-    """
-
-    time: Real
+    time: Real  # time at which the envelope reaches the fraction of its maximum [s]; shape (n,)
+    # peak_time, peak: time [s] and value of the maximum
     peak_time: Real
     peak: Real
-    slope: Real
+    slope: Real  # slope at `time` [1/s]
 
 
 def envelope(request: Request, found: Detection) -> Estimate:

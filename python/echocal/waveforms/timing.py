@@ -204,10 +204,7 @@ def _parts(
 def averaged(captures: Captures, carrier: float, bandwidth: float) -> Template:
     """Return the mean echo of captures, from about where the model burst begins.
 
-    Raises
-    ------
-    UsageError
-        If too few captures have an echo.
+    Raises `UsageError` if too few captures have an echo.
     """
     template = template_of(None, captures.sample_rate, carrier, captures.count)
     template = _turned(captures, Plan(template, carrier, bandwidth, captures.count))

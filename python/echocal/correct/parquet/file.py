@@ -100,13 +100,7 @@ def names_of(file: Any) -> list[str]:
 def read_pieces(
     path: Path, file: Any, pieces: Sequence[Piece], columns: Sequence[str]
 ) -> Iterator[pd.DataFrame]:
-    """Read some columns of each piece.
-
-    Raises
-    ------
-    DataError
-        If the file is damaged.
-    """
+    """Read some columns of each piece. Raises `DataError` if the file is damaged."""
     stored = dict(zip(names_of(file), file.schema_arrow.names, strict=True))
     wanted = [stored[name] for name in columns]
     for piece, table in zip(pieces, read_tables(path, file, pieces, wanted), strict=True):
@@ -122,10 +116,7 @@ def read_tables(
 ) -> Iterator[Any]:
     """Read some columns of each piece, or all, as Arrow has them.
 
-    Raises
-    ------
-    DataError
-        If the file is damaged.
+    Raises `DataError` if the file is damaged.
     """
     pa = arrow()
     wanted = None if columns is None else list(columns)
@@ -177,21 +168,17 @@ def correct_parquet(
 ) -> Tally:
     """Correct a Parquet file into a new one.
 
+    Raises `DataError` if the file cannot be read, or a model needs what it does not have; `out` is incomplete
+    then.
+
     Parameters
     ----------
-    source, out : Path
-    job : Job
     key : str or None
         Key of all rows; None: each row has its own.
     log : sequence of Path
         Files of the log that the file belongs to, in the order of time.
     progress : callable
         Told the rows of each row group that is done.
-
-    Raises
-    ------
-    DataError
-        If the file cannot be read, or a model needs what it does not have; `out` is incomplete then.
     """
     pa = arrow()
     with source.open("rb") as raw:

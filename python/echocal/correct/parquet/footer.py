@@ -43,20 +43,11 @@ _ROWS = range(2**31)
 
 @dataclass(frozen=True)
 class Field:
-    """A column of the schema, nested or not.
-
-    Attributes
-    ----------
-    name : str
-    elements : list
-        Its elements of the schema.
-    leaves : range
-        Places of its column chunks in a row group.
-    """
+    """A column of the schema, nested or not."""
 
     name: str
-    elements: list[Struct]
-    leaves: range
+    elements: list[Struct]  # its elements of the schema
+    leaves: range  # places of its column chunks in a row group
 
     @property
     def flat(self) -> bool:
@@ -98,10 +89,8 @@ class Footer:
 def read_footer(file: BinaryIO, name: str, memory: int | None = None) -> Footer:
     """Read and check a footer, which may take so much memory [B].
 
-    Raises
-    ------
-    DataError
-        If the file is truncated or damaged, or of a kind that cannot be copied; the text says which.
+    Raises `DataError` if the file is truncated or damaged, or of a kind that cannot be copied; the text says
+    which.
     """
     size = file.seek(0, 2)
     file.seek(max(size - _END, 0))
@@ -304,10 +293,7 @@ PAGES: _Kind = {1: _Field("pages", [{1: _Field("place of a page", _ANY, needed=T
 def check(struct: Struct, wanted: _Kind) -> None:
     """Look at a structure.
 
-    Raises
-    ------
-    ValueError
-        If a field is absent, of another kind, or out of its range; the text names it.
+    Raises `ValueError` if a field is absent, of another kind, or out of its range; the text names it.
     """
     _check(STRUCT, struct, wanted, "it")
 

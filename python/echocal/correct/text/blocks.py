@@ -21,18 +21,10 @@ _QUOTE, _LINE_FEED = 34, 10
 
 @dataclass(frozen=True)
 class Block:
-    """Whole rows of a file.
+    """Whole rows of a file."""
 
-    Attributes
-    ----------
-    data : bytes
-        In UTF-8, with the ends of lines.
-    first : int
-        Number of the first line in the file.
-    """
-
-    data: bytes
-    first: int
+    data: bytes  # in UTF-8, with the ends of lines
+    first: int  # number of the first line in the file
 
     def __len__(self) -> int:
         return len(self.data)
@@ -41,10 +33,7 @@ class Block:
 def blocks_of(file: TextFile, size: int) -> Iterator[Block]:
     """Blocks of the rows below the header, of so many bytes.
 
-    Raises
-    ------
-    DataError
-        If the file cannot be unpacked or is not text, or a quotation mark is wrong.
+    Raises `DataError` if the file cannot be unpacked or is not text, or a quotation mark is wrong.
     """
     first = file.head.start + 1
     rest = b""

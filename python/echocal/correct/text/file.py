@@ -116,11 +116,11 @@ def correct_text(
 ) -> Tally:
     """Correct a text file into a new one.
 
+    Raises `DataError` if the file cannot be read, or a model needs what it does not have; `out` is incomplete
+    then.
+
     Parameters
     ----------
-    source : TextFile
-    out : Path
-    job : Job
     key : str or None
         Key of all rows; None: each row has its own.
     log : sequence of Path
@@ -129,11 +129,6 @@ def correct_text(
         Told the rows of each block that is done.
     zipped : bool
         Whether the output is gzipped.
-
-    Raises
-    ------
-    DataError
-        If the file cannot be read, or a model needs what it does not have; `out` is incomplete then.
     """
     text = Text(source, job, key)
     job = text.job

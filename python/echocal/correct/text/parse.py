@@ -33,31 +33,21 @@ _NO_SIGN = NO_SIGN.encode()
 
 @dataclass(frozen=True)
 class Lines:
-    """The lines of a block, as they are written again.
-
-    Attributes
-    ----------
-    texts : Lines of the core, or None
-        Lines that all are rows, and end alike; None where they are in `records`.
-    end : str
-        What ends each line.
-    last : str
-        What ends the last one.
-    records : list of (str, str), or None
-        Each row, or blank line, as it is written, and its end; where the lines are not plain.
-    rows : ndarray of int, or None
-        Places of the rows among them; None where all are rows.
-    corrupt : dict of int to str
-        Reasons by the numbers of rows that are not read. One with more fields than the header is written as
-        one quoted field, with the other fields empty.
-    """
+    """The lines of a block, as they are written again."""
 
     texts: _core.Lines | None = None
+    """Lines that all are rows, and end alike; None where they are in `records`."""
     end: str = "\n"
+    """What ends each line."""
     last: str = "\n"
+    """What ends the last one."""
     records: list[tuple[str, str]] | None = None
+    """Each row, or blank line, as it is written, and its end; where the lines are not plain."""
     rows: Any = None
+    """Places of the rows among them; None where all are rows."""
     corrupt: dict[int, str] = field(default_factory=dict)
+    """Reasons by the numbers of rows that are not read. One with more fields than the header is written as
+    one quoted field, with the other fields empty."""
 
 
 class Parser:
@@ -65,8 +55,6 @@ class Parser:
 
     Parameters
     ----------
-    path : Path
-    head : Head
     kinds : mapping of str to str
         ``"number"``, ``"time"`` or ``"text"`` by column.
     absent : frozenset of str, or None

@@ -130,25 +130,12 @@ def _bar(bar: Bar, most: float) -> str:
 
 @dataclass(frozen=True)
 class Head:
-    """What stands above all sections.
+    """What stands above all sections."""
 
-    Attributes
-    ----------
-    kind : str
-        What the page is: ``Calibration``.
-    heading : str
-        Name of the table or the model.
-    sentence : str
-        The result, without the period.
-    verdict : str
-        A word before it, which gives it its color.
-    facts : sequence of (str, str)
-    """
-
-    kind: str
-    heading: str
-    sentence: str
-    verdict: str = ""
+    kind: str  # what the page is: ``Calibration``
+    heading: str  # name of the table or the model
+    sentence: str  # the result, without the period
+    verdict: str = ""  # a word before it, which gives it its color
     facts: Sequence[tuple[str, str]] = ()
 
 

@@ -19,8 +19,6 @@ def pooled_page(pooled: PooledDiagnosis, heading: str = "several tables", made_b
 
     Parameters
     ----------
-    pooled : PooledDiagnosis
-    heading : str
     made_by : str
         Command line that makes the page again.
     """
@@ -75,7 +73,6 @@ def fleet_page(summary: Mapping[str, Any], heading: str = "fleet", made_by: str 
     ----------
     summary : mapping
         Schema ``echocal.fleet/1``.
-    heading : str
     made_by : str
         Command line that makes the page again.
     """

@@ -27,53 +27,27 @@ _UNTOUCHED = "pulse_in"
 
 @dataclass(frozen=True)
 class Made:
-    """What a suspect makes.
-
-    Attributes
-    ----------
-    suspect : Suspect
-    pattern : Pattern
-        Of the mean over its tables.
-    scatter : tuple of float
-        Lowest, median and highest scatter of its tables [mm].
-    verdict : Verdict
-    smooth : ndarray, shape (n,)
-        Readings less the calculation, without rounding and without what differs in each run [mm].
-    """
+    """What a suspect makes."""
 
     suspect: Suspect
     pattern: Pattern
+    """Of the mean over its tables."""
     scatter: tuple[float, float, float]
+    """Lowest, median and highest scatter of its tables [mm]."""
     verdict: Verdict
     smooth: Column
+    """Readings less the calculation, without rounding and without what differs in each run [mm]; shape
+    (n,)."""
 
 
 @dataclass(frozen=True)
 class Answer:
-    """Everything on the page.
-
-    Attributes
-    ----------
-    tables : Tables
-    wanted : Pattern
-        Of the Tinkercad column.
-    without_odd : Pattern
-        The same without the row at 6 degC.
-    parts : tuple of float
-        Standard deviations of the first seven rows and of the others [mm].
-    made : list of Made
-    explanations, explanations_without_odd : list of Explanation
-    effects : Effects
-    outcomes : list of Outcome
-    diagnosis : Diagnosis
-    members : list of Member
-    told : list of Told
-    """
+    """Everything on the page."""
 
     tables: Tables
-    wanted: Pattern
-    without_odd: Pattern
-    parts: tuple[float, float]
+    wanted: Pattern  # of the Tinkercad column
+    without_odd: Pattern  # the same without the row at 6 degC
+    parts: tuple[float, float]  # standard deviations of the first seven rows and of the others [mm]
     made: list[Made]
     explanations: list[Explanation]
     explanations_without_odd: list[Explanation]
@@ -93,13 +67,8 @@ def answer(found: Investigation, tables: Tables | None = None) -> Answer:
 
     Parameters
     ----------
-    found : Investigation
     tables : Tables, optional
         Other tables than those that the package ships.
-
-    Returns
-    -------
-    Answer
     """
     tables = tables or Tables.load()
     table = tables.table2

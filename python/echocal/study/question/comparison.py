@@ -33,28 +33,15 @@ _SAME_SIZE = 0.5  # mm: a suspect that moves the readings by less moves them in 
 
 @dataclass(frozen=True)
 class Pattern:
-    """What is left of readings less the calculation.
+    """What is left of readings less the calculation."""
 
-    Attributes
-    ----------
-    mean : float
-        Mean [mm].
-    slope : float
-        Slope against the temperature [mm/K].
-    scatter : float
-        Standard deviation about the line [mm].
-    mean_error, slope_error : float
-        Standard errors of mean [mm] and slope [mm/K].
-    step : int
-        Largest step [mm] of which all readings are multiples.
-    """
-
-    mean: float
-    slope: float
-    scatter: float
+    mean: float  # mean [mm]
+    slope: float  # slope against the temperature [mm/K]
+    scatter: float  # standard deviation about the line [mm]
+    # mean_error, slope_error: standard errors of mean [mm] and slope [mm/K]
     mean_error: float
     slope_error: float
-    step: int
+    step: int  # largest step [mm] of which all readings are multiples
 
 
 @dataclass(frozen=True)
@@ -131,13 +118,8 @@ def compare(table: Table, suspect: Suspect, readings: Readings) -> Verdict:
     ----------
     table : Table
         Table 2.
-    suspect : Suspect
     readings : Readings
         What the board made of it.
-
-    Returns
-    -------
-    Verdict
     """
     temperature = table.temperature
     wanted = pattern_of(temperature, deviation(table), table.values("measured_distance_tinkercad_m"))

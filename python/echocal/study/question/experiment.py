@@ -28,21 +28,11 @@ _BOARDS = 2  # at a time
 
 @dataclass(frozen=True)
 class Readings:
-    """What the board printed.
+    """What the board printed."""
 
-    Attributes
-    ----------
-    suspect : str
-        Name of the suspect.
-    reading : ndarray, shape (tables, n)
-        Readings [m].
-    duration : ndarray, shape (tables, n)
-        Echo times as the program counted them [us].
-    """
-
-    suspect: str
-    reading: Column
-    duration: Column
+    suspect: str  # name of the suspect
+    reading: Column  # readings [m]; shape (tables, n)
+    duration: Column  # echo times as the program counted them [us]; shape (tables, n)
 
 
 def run(
@@ -50,26 +40,16 @@ def run(
 ) -> Readings:
     """Run the experiment with one suspect.
 
+    Raises `UsageError` if a tool is not installed, and `DataError` if a line is not as the program prints it.
+
     Parameters
     ----------
-    suspect : Suspect
     temperature : ndarray, shape (n,)
         Temperatures of the rows [degC].
     distance : float
         Distance of the target [m].
     tables : int, optional
         How often all rows are measured.
-
-    Returns
-    -------
-    Readings
-
-    Raises
-    ------
-    UsageError
-        If a tool is not installed.
-    DataError
-        If a line is not as the program prints it.
     """
     # one generator for a suspect, whatever else runs
     random = np.random.default_rng([zlib.crc32(suspect.id.encode()), round(distance * 1e3)])
@@ -99,6 +79,8 @@ def run_all(
 ) -> list[Readings]:
     """Run the experiment several times.
 
+    Raises `UsageError` if a tool is not installed.
+
     Parameters
     ----------
     jobs : sequence of (Suspect, float, int or None)
@@ -107,11 +89,6 @@ def run_all(
         Temperatures of the rows [degC].
     progress : callable, optional
         Called with the number of runs done, and that of all.
-
-    Raises
-    ------
-    UsageError
-        If a tool is not installed.
     """
     silicon.refuse_missing()
     with ThreadPoolExecutor(_BOARDS) as pool:

@@ -24,22 +24,12 @@ _NONE = "none"
 
 @dataclass(frozen=True)
 class Explanation:
-    """One suspect, a pair, or none.
-
-    Attributes
-    ----------
-    suspects : tuple of Suspect
-    probability : float
-        Posterior probability among all explanations.
-    left : float
-        Root mean square of what it leaves of the deviations, with the best sizes [mm].
-    sizes, size_errors : dict of str to float
-        Posterior mean and standard deviation of the free sizes, by suspect.
-    """
+    """One suspect, a pair, or none."""
 
     suspects: tuple[Suspect, ...]
-    probability: float
-    left: float
+    probability: float  # posterior probability among all explanations
+    left: float  # root mean square of what it leaves of the deviations, with the best sizes [mm]
+    # sizes, size_errors: posterior mean and standard deviation of the free sizes, by suspect
     sizes: dict[str, float]
     size_errors: dict[str, float]
 
@@ -62,7 +52,6 @@ def explain(
     ----------
     table : Table
         Table 2.
-    suspects : sequence of Suspect
     readings : mapping of str to Readings
         What the board made of each.
     without : sequence of float

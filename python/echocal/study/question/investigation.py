@@ -33,24 +33,16 @@ TOLD = ("pulse_in", "target", "module_factor", "law_332", "latency")
 
 @dataclass(frozen=True)
 class Investigation:
-    """Readings of the emulated board.
-
-    Attributes
-    ----------
-    temperature : ndarray, shape (n,)
-        Temperatures of Table 2 [degC].
-    far : dict of str to Readings
-        Of each suspect at 2 m.
-    near : dict of str to Readings
-        Of each suspect that moves all rows, at `NEAR`.
-    told : dict of str to tuple of Readings
-        Of the suspects `TOLD` at 2 m and at `NEAR`, with a potentiometer that is set by hand.
-    """
+    """Readings of the emulated board."""
 
     temperature: Column
+    """Temperatures of Table 2 [degC]; shape (n,)."""
     far: dict[str, Readings]
+    """Of each suspect at 2 m."""
     near: dict[str, Readings]
+    """Of each suspect that moves all rows, at `NEAR`."""
     told: dict[str, tuple[Readings, Readings]]
+    """Of the suspects `TOLD` at 2 m and at `NEAR`, with a potentiometer that is set by hand."""
 
     def text(self) -> str:
         """Return the content of the file, a table in a line."""
@@ -71,13 +63,7 @@ class Investigation:
 
     @classmethod
     def load(cls, path: Path) -> "Investigation":
-        """Read a file that `text` made.
-
-        Raises
-        ------
-        DataError
-            If it is none.
-        """
+        """Read a file that `text` made. Raises `DataError` if it is none."""
         try:
             content = json.loads(path.read_text(encoding="utf-8"))
             if content["schema"] != SCHEMA:
@@ -97,21 +83,14 @@ class Investigation:
 def investigate(tables: Tables | None = None, *, progress: Progress | None = None) -> Investigation:
     """Run the study's experiment on the emulated board, once for each suspect.
 
+    Raises `UsageError` if a tool is not installed.
+
     Parameters
     ----------
     tables : Tables, optional
         Other tables than those that the package ships.
     progress : callable, optional
         Called with the number of runs done, and that of all.
-
-    Returns
-    -------
-    Investigation
-
-    Raises
-    ------
-    UsageError
-        If a tool is not installed.
     """
     temperature = (tables or Tables.load()).table2.temperature
     moving = [one for one in ALL if one.place not in ("setting", "none") and not one.absent]

@@ -54,42 +54,25 @@ _TRUE = {
 
 @dataclass(frozen=True)
 class Member:
-    """One cause of the class.
-
-    Attributes
-    ----------
-    id, parameter : str
-    size : str
-        Fitted size with its standard uncertainty and unit.
-    verdict : str
-        ``remains``, or ``sign``, ``size`` or ``absent``; empty if this cause is not judged here.
-    why : str
-    """
+    """One cause of the class."""
 
     id: str
     parameter: str
-    size: str
-    verdict: str
+    size: str  # fitted size with its standard uncertainty and unit
+    verdict: str  # ``remains``, or ``sign``, ``size`` or ``absent``; empty if this cause is not judged here
     why: str
 
 
 @dataclass(frozen=True)
 class Told:
-    """What the diagnosis says of a table of the board.
-
-    Attributes
-    ----------
-    suspect : str
-    one_distance, two_distances : tuple of str
-        Causes of the first class, from readings at 2 m alone and with a second distance.
-    right : tuple of bool
-        Whether the true cause is among them.
-    """
+    """What the diagnosis says of a table of the board."""
 
     suspect: str
+    # one_distance, two_distances: causes of the first class, from readings at 2 m alone and with a second
+    # distance
     one_distance: tuple[str, ...]
     two_distances: tuple[str, ...]
-    right: tuple[bool, bool]
+    right: tuple[bool, bool]  # whether the true cause is among them
 
 
 def diagnosis_of(tables: Tables) -> Diagnosis:
@@ -108,7 +91,6 @@ def members(tables: Tables, diagnosis: Diagnosis) -> list[Member]:
 
     Parameters
     ----------
-    tables : Tables
     diagnosis : Diagnosis
         Of the Tinkercad column.
 

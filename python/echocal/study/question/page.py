@@ -251,7 +251,6 @@ def show(found: Answer, console: Console) -> None:
 
     Parameters
     ----------
-    found : Answer
     console : Console
         Where to.
     """

@@ -25,7 +25,6 @@ def save(found: Answer, folder: Path) -> list[Path]:
 
     Parameters
     ----------
-    found : Answer
     folder : Path
         Where to; it is made where it is missing.
 
@@ -59,7 +58,6 @@ def draw_suspects(found: Answer, axes: Axes) -> None:
 
     Parameters
     ----------
-    found : Answer
     axes : Axes
         Where to draw.
     """
@@ -108,7 +106,6 @@ def draw_rows(found: Answer, axes: Axes) -> None:
 
     Parameters
     ----------
-    found : Answer
     axes : Axes
         Where to draw.
     """
@@ -142,7 +139,6 @@ def draw_outcomes(found: Answer, axes: Axes) -> None:
 
     Parameters
     ----------
-    found : Answer
     axes : Axes
         Where to draw.
     """

@@ -39,93 +39,61 @@ class Random:
 
 @dataclass
 class Surroundings:
-    """What a log may record of the air and the supply, as it truly is.
+    """What a log may record of the air and the supply, as it truly is."""
 
-    Attributes
-    ----------
-    temperature, relative_humidity, pressure : ndarray, shape (n,)
-        Of the air at the thermometer [degC], [0..1], [Pa].
-    wind_along, wind_across : ndarray, shape (n,)
-        [m/s].
-    radiation : ndarray, shape (n,)
-        Of the sun [W/m2].
-    supply : ndarray, shape (n,)
-        Over its nominal voltage.
-    """
-
+    # temperature, relative_humidity, pressure: of the air at the thermometer [degC], [0..1], [Pa]; shape (n,)
     temperature: Column
     relative_humidity: Column
     pressure: Column
+    # wind_along, wind_across: [m/s]; shape (n,)
     wind_along: Column
     wind_across: Column
-    radiation: Column
-    supply: Column
+    radiation: Column  # of the sun [W/m2]; shape (n,)
+    supply: Column  # over its nominal voltage; shape (n,)
 
 
 @dataclass
 class Campaign:
-    """What a design lays down, and a cause changes.
-
-    Attributes
-    ----------
-    design : str
-    seconds : ndarray, shape (n,)
-        True time of each reading [s].
-    distance : ndarray, shape (n,)
-        True distance of the target [m].
-    placement : ndarray of int, shape (n,)
-        Number of the place of the target, from 0: as it was put up once, whenever it is looked at.
-    around : Surroundings
-    reference : ndarray, shape (n,), or None
-        Distance that is written down [m]; None where nobody knows it.
-    unknown_constant : bool
-        Whether the user says that the distance is constant instead.
-    air : ndarray, shape (n,)
-        Temperature of the path [degC]: that of the air at the thermometer, and what causes add.
-    numbered : bool
-        Whether the log has a column with the number of the placement, where somebody puts them up.
-    by_hand : bool
-        Whether somebody puts up each placement, and numbers them.
-    co2 : float or ndarray, shape (n,)
-        Mole fraction.
-    sensor : Sensor
-    target : Target
-    second_thermometer : ndarray, shape (n,), or None
-        What a thermometer at another place says [degC].
-    scene : dict
-        Further arguments of `Scene`.
-    turbulence : Turbulence
-    slow_air : float
-        Standard deviation of the path's temperature about that at the thermometer [K].
-    thermometer, pulse, logger : list of function
-        Stages of causes: of the recorded temperature, of the length of the pulse [s], and of the finished
-        table.
-    shown : set of str
-        Columns that the log holds beside the usual ones.
-    """
+    """What a design lays down, and a cause changes."""
 
     design: str
     seconds: Column
+    """True time of each reading [s]; shape (n,)."""
     distance: Column
+    """True distance of the target [m]; shape (n,)."""
     placement: Labels
+    """Number of the place of the target, from 0: as it was put up once, whenever it is looked at; shape
+    (n,)."""
     around: Surroundings
     reference: Column | None
+    """Distance that is written down [m]; None where nobody knows it; shape (n,)."""
     unknown_constant: bool = False
+    """Whether the user says that the distance is constant instead."""
     numbered: bool = True
+    """Whether the log has a column with the number of the placement, where somebody puts them up."""
     by_hand: bool = False
+    """Whether somebody puts up each placement, and numbers them."""
     co2: float | Column = 4.2e-4
+    """Mole fraction; shape (n,)."""
     sensor: Sensor = field(default_factory=Sensor)
     target: Target = field(default_factory=Target)
     second_thermometer: Column | None = None
+    """What a thermometer at another place says [degC]; shape (n,)."""
     scene: dict[str, Any] = field(default_factory=dict)
+    """Further arguments of `Scene`."""
     turbulence: Turbulence = field(default_factory=Turbulence)
     slow_air: float = 0.05
+    """Standard deviation of the path's temperature about that at the thermometer [K]."""
     air: Column = field(init=False)
+    """Temperature of the path [degC]: that of the air at the thermometer, and what causes add; shape (n,)."""
     device_temperature: Column = field(init=False)
+    # thermometer, pulse, logger: stages of causes: of the recorded temperature, of the length of the pulse
+    # [s], and of the finished table
     thermometer: list[Callable[[Column], Column]] = field(default_factory=list)
     pulse: list[Callable[[Column], Column]] = field(default_factory=list)
     logger: list[Callable[[pd.DataFrame], pd.DataFrame]] = field(default_factory=list)
     shown: set[str] = field(default_factory=set)
+    """Columns that the log holds beside the usual ones."""
 
     def __post_init__(self) -> None:
         self.air = self.around.temperature.copy()

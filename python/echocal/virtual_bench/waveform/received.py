@@ -31,23 +31,12 @@ class Noise:
     """Band-limited noise: random phasors every half period, turned into each other between.
 
     The last resonance of the chain, taken twice and tuned to the carrier, shapes it.
-
-    Attributes
-    ----------
-    start : ndarray, shape (n,)
-        Time of the first value since the burst began [s].
-    step : float
-        [s].
-    values : ndarray of complex, shape (n, k)
-        Envelope beside the carrier.
-    angle : float
-        Its cosine is the correlation of a value with the next one [rad].
     """
 
-    start: Column
-    step: float
-    values: Phasor
-    angle: float
+    start: Column  # time of the first value since the burst began [s]; shape (n,)
+    step: float  # [s]
+    values: Phasor  # envelope beside the carrier; shape (n, k)
+    angle: float  # its cosine is the correlation of a value with the next one [rad]
 
     @classmethod
     def draw(cls, sensor: Sensor, start: Column, count: int, random: np.random.Generator) -> Self:
@@ -136,22 +125,11 @@ class NoiseAlone:
 
 @dataclass(frozen=True)
 class Received:
-    """All that arrives after a burst: `Re[phasor(t) exp(2 pi i f t)]`.
+    """All that arrives after a burst: `Re[phasor(t) exp(2 pi i f t)]`."""
 
-    Attributes
-    ----------
-    response : BurstResponse
-        The burst behind all resonances.
-    delays : ndarray, shape (n, p)
-        Of the paths [s]; infinite where a reading has fewer.
-    sizes : ndarray of complex, shape (n, p)
-        Of their echoes.
-    noise : Noise or None
-    """
-
-    response: BurstResponse
-    delays: Column
-    sizes: Phasor
+    response: BurstResponse  # the burst behind all resonances
+    delays: Column  # of the paths [s]; infinite where a reading has fewer; shape (n, p)
+    sizes: Phasor  # of their echoes; shape (n, p)
     noise: Noise | None = None
 
     def at(self, rows: NDArray[np.int64]) -> Self:
@@ -214,7 +192,6 @@ def first_crossing(received: Received, start: Column, cycles: int, comparator: C
         Of the window, since the burst began [s].
     cycles : int
         Of the window.
-    comparator : Comparator
 
     Returns
     -------
