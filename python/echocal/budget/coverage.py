@@ -61,7 +61,6 @@ def conformity_probability(
         Measured error [m]; 0 where none was measured.
     uncertainty : ndarray
         Its standard uncertainty [m].
-    degrees_of_freedom : ndarray
     bound : float
         Maximum permissible error [m].
 

@@ -34,40 +34,18 @@ OWN = ("parameters", "shape", "residual")
 
 @dataclass(frozen=True)
 class Entry:
-    """A line of a budget.
+    """A line of a budget."""
 
-    Attributes
-    ----------
-    quantity : str
-        Input quantity.
-    words : str
-        Source, as a person reads it.
-    evaluation : str
-        Type ``A`` or ``B`` (JCGM 100:2008, 4.2 and 4.3).
-    distribution : str
-        ``normal``, ``t`` or ``rectangular``.
-    standard_uncertainty : ndarray, shape (n,)
-        Of the input quantity [`unit`].
-    unit : str
-    sensitivity : ndarray, shape (n,)
-        Change of the distance with the quantity [m per unit].
-    degrees_of_freedom : float
-    group : str
-        ``parameters``, ``shape``, ``residual`` or ``stated``.
-    origin : str
-        Where the number is from.
-    """
-
-    quantity: str
-    words: str
-    evaluation: str
-    distribution: str
-    standard_uncertainty: Column
+    quantity: str  # input quantity
+    words: str  # source, as a person reads it
+    evaluation: str  # type ``A`` or ``B`` (JCGM 100:2008, 4.2 and 4.3)
+    distribution: str  # ``normal``, ``t`` or ``rectangular``
+    standard_uncertainty: Column  # of the input quantity [`unit`]; shape (n,)
     unit: str
-    sensitivity: Column
+    sensitivity: Column  # change of the distance with the quantity [m per unit]; shape (n,)
     degrees_of_freedom: float = inf
-    group: str = "stated"
-    origin: str = ""
+    group: str = "stated"  # ``parameters``, ``shape``, ``residual`` or ``stated``
+    origin: str = ""  # where the number is from
 
     @property
     def contribution(self) -> Column:

@@ -25,10 +25,7 @@ _PER_KELVIN = 0.5 / 293.15
 def parsed(texts: Mapping[str, Any]) -> dict[str, tuple[str, float, float]]:
     """Column, value and standard uncertainty by quantity, in the unit of the column.
 
-    Raises
-    ------
-    UsageError
-        If a name is none of a condition, or a value no number.
+    Raises `UsageError` if a name is none of a condition, or a value no number.
 
     Examples
     --------
@@ -55,10 +52,7 @@ def parsed(texts: Mapping[str, Any]) -> dict[str, tuple[str, float, float]]:
 def conditions_at(given: Mapping[str, Any] | None, table: pd.DataFrame) -> dict[str, tuple[float, float]]:
     """Add a column for each stated condition; values and standard uncertainties [SI] by quantity.
 
-    Raises
-    ------
-    UsageError
-        If the table has a column of this condition.
+    Raises `UsageError` if the table has a column of this condition.
     """
     stated = {}
     for quantity, (column, value, uncertainty) in parsed(given or {}).items():

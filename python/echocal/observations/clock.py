@@ -36,7 +36,8 @@ def instants(
 ) -> tuple[Instants, NDArray[np.bool_]]:
     """Instants in UTC of a column of texts or of datetimes, and which lie outside `YEARS`.
 
-    An instant is NaT where the field is empty or outside.
+    An instant is NaT where the field is empty or outside. Raises `DataError` if a field is no time, or a
+    local time is skipped or repeated by a clock change, and `UsageError` if the time zone is unknown.
 
     Parameters
     ----------
@@ -44,13 +45,6 @@ def instants(
         IANA name of the time zone for times without an offset, or an offset: ``+02:00``.
     time_format : str, optional
         How times are written; default: ISO 8601, or seen in the column.
-
-    Raises
-    ------
-    DataError
-        If a field is no time, or a local time is skipped or repeated by a clock change.
-    UsageError
-        If the time zone is unknown.
     """
     if (
         time_format is None

@@ -30,7 +30,6 @@ def doubtful_in(table: pd.DataFrame, requests: Mapping[str, str] | None = None) 
 
     Parameters
     ----------
-    table : DataFrame
     requests : mapping of str to str, optional
         What the user and the log say about columns.
 

@@ -62,10 +62,7 @@ def too_long(line: str) -> DataError:
 def head_in(lines: list[str], layout: Layout, path: str) -> Head:
     """Find the header in the first lines below those that are skipped.
 
-    Raises
-    ------
-    DataError
-        If there is none.
+    Raises `DataError` if there is none.
     """
     skip, before, lines = _first_lines(lines, layout.skip_lines, path)
     head = find_head(lines, skip, before)

@@ -11,24 +11,17 @@ __all__ = ["Join", "told"]
 
 @dataclass(frozen=True)
 class Join:
-    """How a column came to the rows of a table: its values were recorded at other times.
-
-    Attributes
-    ----------
-    how : {"interpolated", "nearest", "ordered"}
-        ``ordered``: as the values follow each other in a log without a clock.
-    interval_s : float
-        Usual time between two of its values [s]: half of the record lies in shorter ones.
-    limit_s : float
-        Longest time between two values that it was joined over [s].
-    without : int
-        Rows that have no value, because no value is near enough.
-    """
+    """How a column came to the rows of a table: its values were recorded at other times."""
 
     how: Literal["interpolated", "nearest", "ordered"]
+    """``ordered``: as the values follow each other in a log without a clock; one of {"interpolated",
+    "nearest", "ordered"}."""
     interval_s: float
+    """Usual time between two of its values [s]: half of the record lies in shorter ones."""
     limit_s: float
+    """Longest time between two values that it was joined over [s]."""
     without: int
+    """Rows that have no value, because no value is near enough."""
 
     def __str__(self) -> str:
         if self.how == "ordered":

@@ -124,17 +124,14 @@ def to_numbers(
 ) -> Column:
     """Numbers of a column; NaN where the field is empty or holds an error code.
 
+    Raises `DataError` if a field holds text that is no number.
+
     Parameters
     ----------
     corrupt : list of int, optional
         Takes the places of texts that are no numbers, if at most a tenth of the fields is such; they are NaN.
     part : bool
         Whether the column goes on elsewhere: then `corrupt` takes all of them, and `Damage` judges the whole.
-
-    Raises
-    ------
-    DataError
-        If a field holds text that is no number.
     """
     if pd.api.types.is_datetime64_any_dtype(values) or pd.api.types.is_timedelta64_dtype(values):
         message = f"column '{column}' holds {values.dtype}, not numbers"
@@ -183,20 +180,11 @@ def is_damaged(value: Any, column: str, missing: Missing) -> bool:
 
 @dataclass(frozen=True)
 class Damage:
-    """Texts of a column that are no numbers: few of them are damage, and others a mistake.
-
-    Attributes
-    ----------
-    count : int
-    meant : bool
-        Whether one of them is meant as a number, as with a decimal comma.
-    distinct : frozenset of str
-        One of them, or two that differ.
-    """
+    """Texts of a column that are no numbers: few of them are damage, and others a mistake."""
 
     count: int = 0
-    meant: bool = False
-    distinct: frozenset[str] = frozenset()
+    meant: bool = False  # whether one of them is meant as a number, as with a decimal comma
+    distinct: frozenset[str] = frozenset()  # one of them, or two that differ
 
     @classmethod
     def of(cls, texts: pd.Series[Any]) -> Damage:

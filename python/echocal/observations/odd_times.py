@@ -77,17 +77,13 @@ def refuse_other_clock(seconds: Column, source: Assignment) -> None:
     """Refuse a count of time whose steps make sense only in another unit.
 
     A program that counts milliseconds or microseconds makes whole numbers with nearly even steps. Taken for
-    seconds, they are hours that are no multiples of half an hour, an hour or a day.
+    seconds, they are hours that are no multiples of half an hour, an hour or a day. Raises `DataError` if
+    they are.
 
     Parameters
     ----------
     seconds : ndarray, shape (n,)
         Times in the unit that the column's name says [s].
-
-    Raises
-    ------
-    DataError
-        If they are.
     """
     known = seconds[np.isfinite(seconds)]
     steps = np.abs(np.diff(known))

@@ -42,7 +42,6 @@ class Records:
     ----------
     name : str
         How messages name the text.
-    head : Head
     is_no_row : callable, optional
         Whether a line is none; default: that of the header.
     """
@@ -54,10 +53,7 @@ class Records:
     def of(self, lines: Iterable[str], first: int) -> Iterator[Record]:
         """Rows, and lines that are none, of lines with their ends, of which the first has a number.
 
-        Raises
-        ------
-        DataError
-            If a quotation mark is wrong.
+        Raises `DataError` if a quotation mark is wrong.
         """
         marks = Marks(self._name, self._separator, self._width, self._is_no_row)
         complete = True

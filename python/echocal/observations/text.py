@@ -27,13 +27,7 @@ _LINE_END = re.compile(r"\r\n|\r|\n")  # of no other sign, unlike for str.splitl
 
 
 def read(file: TextFile) -> pd.DataFrame:
-    """Read a text file.
-
-    Raises
-    ------
-    DataError
-        If the file is not delimited text.
-    """
+    """Read a text file. Raises `DataError` if the file is not delimited text."""
     head = file.head
     names = head.names
     with file.opened() as data:

@@ -14,30 +14,21 @@ _CALENDAR = 1e8  # s: a clock below counts from its own start, or was not set
 
 @dataclass
 class Waiting:
-    """A row on its way to the test.
-
-    Attributes
-    ----------
-    time : float
-        By the clock of the sensor [s].
-    number : int
-        Of the row among those of the sensor.
-    residual, signature, distance, reading : float, list of float, float, float
-        See `echocal.watch.monitor.Monitor.add`.
-    row : dict
-        The row for a diagnosis.
-    target : (str, int) or None
-        Target of the row, and the number of the row among those of the target.
-    """
+    """A row on its way to the test."""
 
     time: float
+    """By the clock of the sensor [s]."""
     number: int
+    # residual, signature, distance, reading: see `echocal.watch.monitor.Monitor.add`
+    """Of the row among those of the sensor."""
     residual: float
     signature: list[float]
     distance: float
     reading: float
     row: dict[str, Any]
+    """The row for a diagnosis."""
     target: tuple[str, int] | None = None
+    """Target of the row, and the number of the row among those of the target."""
 
     def to_list(self) -> list[Any]:
         """As plain data."""
@@ -53,14 +44,9 @@ class Waiting:
 
 @dataclass(frozen=True)
 class Moved:
-    """The clock does not go on from the row before: it was set, or began again.
+    """The clock does not go on from the row before: it was set, or began again."""
 
-    Attributes
-    ----------
-    before, after : float
-        Time of the row before, and of the first row that goes on from elsewhere [s].
-    """
-
+    # before, after: time of the row before, and of the first row that goes on from elsewhere [s]
     before: float
     after: float
 
@@ -73,28 +59,19 @@ class Clock:
     time is a leap. Its row waits until some rows in a row go on from it. Where the next row goes on from the
     last believed time instead, the leap was an error, and its rows are given back. So a wrong time costs
     one row, and no clock silences a sensor.
-
-    Attributes
-    ----------
-    settings : WatchSettings
-    last : float or None
-        Last time that was believed, by the clock of the sensor [s].
-    offset : float
-        Time of the test less that of the clock [s].
-    parts : list of (float, float)
-        From which time of the test on there is which offset.
-    steps : list of float
-        Last waits between rows [s].
-    waiting : list of Waiting
-        Rows that may be a leap.
     """
 
     settings: WatchSettings
     last: float | None = None
+    """Last time that was believed, by the clock of the sensor [s]."""
     offset: float = 0.0
+    """Time of the test less that of the clock [s]."""
     parts: list[list[float]] = field(default_factory=list)
+    """From which time of the test on there is which offset."""
     steps: list[float] = field(default_factory=list)
+    """Last waits between rows [s]."""
     waiting: list[Waiting] = field(default_factory=list)
+    """Rows that may be a leap."""
 
     def add(self, row: Waiting) -> tuple[list[Waiting], list[Waiting], Moved | None]:
         """Take one row in.

@@ -16,17 +16,10 @@ __all__ = ["Comparison"]
 
 @dataclass
 class Comparison:
-    """The reference of each row: stated, recorded, or the other sensors of its target.
-
-    Attributes
-    ----------
-    reference : Reference
-    state : State
-        Keeps the targets.
-    """
+    """The reference of each row: stated, recorded, or the other sensors of its target."""
 
     reference: Reference
-    state: State
+    state: State  # keeps the targets
     _targets: dict[str, Target] = field(default_factory=dict)
 
     def give(self, rows: Sequence[Done]) -> None:

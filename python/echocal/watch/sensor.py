@@ -39,32 +39,17 @@ _PLAIN = ("recorded", "level", "before", "follow", "told", "ignored", "rows", "d
 
 @dataclass
 class Done:
-    """A corrected row of a sensor.
-
-    Attributes
-    ----------
-    entry : Entry
-    sensor : Sensor or None
-        None where there is no model.
-    status : str
-    distance, uncertainty : float
-        Corrected distance and its standard uncertainty [m].
-    released : int
-        Place of the row that this one has waited for.
-    reference : float
-        Reference distance [m].
-    target : (str, int) or None
-        See `Waiting`.
-    """
+    """A corrected row of a sensor."""
 
     entry: Entry
-    sensor: "Sensor | None"
+    sensor: "Sensor | None"  # None where there is no model
     status: str
+    # distance, uncertainty: corrected distance and its standard uncertainty [m]
     distance: float = np.nan
     uncertainty: float = np.nan
-    released: int = 0
-    reference: float = np.nan
-    target: tuple[str, int] | None = None
+    released: int = 0  # place of the row that this one has waited for
+    reference: float = np.nan  # reference distance [m]
+    target: tuple[str, int] | None = None  # see `Waiting`
 
     def order(self) -> tuple[int, int]:
         """Rows come out when they are released, in the order in which they came."""

@@ -38,28 +38,19 @@ class Times:
     A text says its time alone, with two exceptions. The order of day and month is that of the dates before
     it. An hour that comes twice when summer time ends is the first one, unless this is not later than the
     row before.
-
-    Attributes
-    ----------
-    column : str
-    zone : str
-        Time zone of texts without an offset.
-    time_format : str or None
-        How times are written; see `echocal.read_observations`.
-    dates : list of str
-        Texts with the dates so far, up to those that tell day and month apart.
-    told_apart : bool
-        Whether they do.
-    last : float or None
-        Seconds of the last row that was read.
     """
 
     column: str
     zone: str = ReadOptions.time_zone
+    """Time zone of texts without an offset."""
     time_format: str | None = None
+    """How times are written; see `echocal.read_observations`."""
     dates: list[str] = field(default_factory=list)
+    """Texts with the dates so far, up to those that tell day and month apart."""
     told_apart: bool = False
+    """Whether they do."""
     last: float | None = None
+    """Seconds of the last row that was read."""
 
     def read(self, values: Sequence[Any]) -> tuple[Column, list[str]]:
         """Seconds of each row, NaN where it has none; and why its field is no time."""

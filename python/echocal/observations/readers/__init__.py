@@ -70,13 +70,7 @@ _LOOK = 1 << 16  # characters of a line that tell the format; a document of JSON
 
 
 def read(file: TextFile, sheet: str | None = None) -> pd.DataFrame | None:
-    """Read a log that is no delimited text; None for one that is.
-
-    Raises
-    ------
-    DataError
-        If it cannot be read.
-    """
+    """Read a log that is no delimited text; None for one that is. Raises `DataError` if it cannot be read."""
     if file.is_spreadsheet:
         return spreadsheet.read(file.path, sheet, file.layout.skip_lines)
     form = _form(file)

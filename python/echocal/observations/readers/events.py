@@ -50,7 +50,6 @@ def rows_of(events: Sequence[Event], ranger: Sequence[str], log: Log, beside: Se
 
     Parameters
     ----------
-    events : sequence of Event
     ranger : sequence of str
         Names of the values that a measurement has. One ends where a name comes again.
     log : Log
