@@ -11,7 +11,7 @@ from echocal.keywords import keyword
 from echocal.observations.layout import Head, Layout
 from echocal.observations.limits import refuse_names
 from echocal.observations.quotes import Marks
-from echocal.observations.units_said import is_unit_row
+from echocal.observations.units import is_unit_row
 
 __all__ = [
     "FIRST",

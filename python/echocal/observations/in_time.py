@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from echocal.errors import DataError
 from echocal.observations.dates import CLOCK, as_iso, unwrapped_clock
+from echocal.observations.found import Join
 from echocal.observations.hints import hint
-from echocal.observations.join import Join
 from echocal.observations.units import NAMES
 
 __all__ = ["Clock", "clock_of", "counts_per_second", "joined", "spread"]

@@ -22,7 +22,7 @@ from echocal.observations.reading import read_observations
 from echocal.observations.sensors import note_of, sensors_in
 from echocal.observations.source import load
 from echocal.observations.table import Observations
-from echocal.observations.units_said import split_unit
+from echocal.observations.units import split_unit
 
 __all__ = ["Clock", "ColumnFacts", "Inspection", "inspect_log"]
 

@@ -13,8 +13,7 @@ from echocal.observations.table import Observations
 if TYPE_CHECKING:
     import pandas as pd
 
-    from echocal.observations.found import Found
-    from echocal.observations.join import Join
+    from echocal.observations.found import Found, Join
 
 __all__ = ["read_observations", "understood"]
 

@@ -11,10 +11,9 @@ from numpy.typing import NDArray
 from echocal.errors import DataError, UsageError
 from echocal.keywords import keyword
 from echocal.observations import clock
-from echocal.observations.found import found_in
+from echocal.observations.found import Join, found_in, told
 from echocal.observations.hints import completed
 from echocal.observations.in_time import Clock, joined
-from echocal.observations.join import Join, told
 from echocal.observations.numbers import Missing, to_numbers
 from echocal.observations.options import ReadOptions
 from echocal.observations.plan import Assignment, make, refuse_absent

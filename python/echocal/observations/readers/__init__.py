@@ -17,8 +17,6 @@ from echocal.observations.heading import FIRST
 from echocal.observations.limits import LOG_LINE
 from echocal.observations.readers import (
     bursts,
-    cell_units,
-    date_pieces,
     esphome,
     json_records,
     line_protocol,
@@ -28,12 +26,10 @@ from echocal.observations.readers import (
     messages,
     mqtt_lines,
     nmea,
-    repeats,
-    ros,
     serial_lines,
     spreadsheet,
-    times,
-    unit_names,
+    time_steps,
+    unit_steps,
     white_space,
 )
 from echocal.observations.readers.stamps import plain
@@ -53,14 +49,14 @@ _FORMATS = (
     white_space,
 )
 _STEPS = (
-    ros.step,
-    cell_units.step,
+    unit_steps.units_of_messages,
+    unit_steps.units_in_cells,
     long_tables.step,
     bursts.step,
-    date_pieces.step,
-    times.step,
-    unit_names.step,
-    repeats.step,
+    time_steps.date_in_pieces,
+    time_steps.one_time,
+    unit_steps.columns_named_by_unit,
+    unit_steps.repeated,
 )
 
 
@@ -118,7 +114,7 @@ def tidy(table: pd.DataFrame) -> pd.DataFrame:
 
 def with_dates(table: pd.DataFrame) -> pd.DataFrame:
     """A table of a library with one time, where it has a date in pieces."""
-    made, found = date_pieces.step(table, found_in(table))
+    made, found = time_steps.date_in_pieces(table, found_in(table))
     return table if made is table else keep(made, found)
 
 

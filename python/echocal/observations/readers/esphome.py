@@ -15,8 +15,7 @@ from echocal.observations.readers.log import Log
 from echocal.observations.readers.pairs import pairs_of
 from echocal.observations.readers.stamps import Stamped, stamped
 from echocal.observations.silence import says_no_echo
-from echocal.observations.units import NAMES
-from echocal.observations.units_said import symbol_of
+from echocal.observations.units import NAMES, symbol_of
 
 __all__ = ["NAME", "read", "recognizes"]
 

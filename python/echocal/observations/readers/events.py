@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from echocal.observations.found import Join, told
 from echocal.observations.hints import is_time_name
 from echocal.observations.in_time import clock_of, joined, spread
-from echocal.observations.join import Join, told
 from echocal.observations.readers.leads import changes_smoothly, ranger_names
 from echocal.observations.readers.log import Log, numeric
 

@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 
 from echocal.observations.hints import hint, role_of
-from echocal.observations.units_said import split_unit, symbol_of
+from echocal.observations.units import split_unit, symbol_of
 
 __all__ = ["changes_smoothly", "ranger_names"]
 

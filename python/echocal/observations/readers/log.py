@@ -10,7 +10,7 @@ import pandas as pd
 
 from echocal.errors import DataError
 from echocal.observations.fields import shown
-from echocal.observations.join import Join
+from echocal.observations.found import Join
 from echocal.observations.limits import refuse_cells, refuse_names
 from echocal.observations.numbers import NO_NUMBER
 from echocal.observations.silence import NO_ECHO, says_no_echo

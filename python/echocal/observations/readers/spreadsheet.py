@@ -15,7 +15,7 @@ from echocal.observations.found import Found, keep
 from echocal.observations.heading import is_value
 from echocal.observations.limits import refuse_cells
 from echocal.observations.readers.log import numeric
-from echocal.observations.units_said import is_unit_row
+from echocal.observations.units import is_unit_row
 
 __all__ = ["NAME", "read"]
 
