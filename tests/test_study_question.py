@@ -21,8 +21,7 @@ from echocal.study.question.investigation import Investigation
 from echocal.study.question.laws import ALL, suspect
 from echocal.study.question.measurements import MEASUREMENTS, separation
 from echocal.study.question.page import FIGURES, render
-from echocal.study.rounding import Printed
-from echocal.study.tables import Table
+from echocal.study.tables import Printed, Table
 
 DOCS = Path(__file__).parents[1] / "docs"
 READINGS = DOCS / "study-question.json"

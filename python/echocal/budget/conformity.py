@@ -12,8 +12,8 @@ from echocal.budget.sources import LAW, TAPE
 from echocal.budget.stated import Uncertainties
 from echocal.model import Model
 from echocal.observations import Observations
+from echocal.observations.at import uncertain
 from echocal.observations.echoes import DEFAULT_SPEED
-from echocal.observations.stated import uncertain
 from echocal.quantities import FROM_THERMOMETERS
 
 __all__ = ["Conformity", "assessed", "budget_of_errors", "without_effect"]

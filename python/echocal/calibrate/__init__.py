@@ -10,16 +10,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from echocal._verb import callable_as
-from echocal.calibrate.problem import LOSSES, Column, Columns, Form, Parameter, Problem
+from echocal.calibrate.problem import LOSSES, Column, Columns, Form, Parameter, Problem, solve
 from echocal.calibrate.regression import Chain, Regression
 from echocal.calibrate.result import Calibration, Estimate, Prediction
-from echocal.calibrate.solve import solve
 from echocal.errors import DataError, UsageError
 from echocal.model import Model, ResidualUncertainty
 from echocal.observations import Observations
-from echocal.observations.at import sentences
+from echocal.observations.at import sentences, shifted, uncertain
 from echocal.observations.given import observed
-from echocal.observations.stated import shifted, uncertain
 
 __all__ = ["Calibration", "Estimate", "Form", "Parameter", "Prediction", "Regression", "calibrate"]
 

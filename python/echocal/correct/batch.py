@@ -12,9 +12,8 @@ from echocal.correct.inputs import PARQUETS, Inputs, find_inputs, refuse_outputs
 from echocal.correct.logs import logs_of
 from echocal.correct.needed import refuse_no_model
 from echocal.correct.rows import Reading
-from echocal.engines import Engine, open_engine
+from echocal.engines import Engine, is_elsewhere, open_engine
 from echocal.engines.checks import check_workers
-from echocal.engines.names import is_elsewhere
 from echocal.engines.processes import Processes
 from echocal.errors import UsageError
 from echocal.keywords import keyword

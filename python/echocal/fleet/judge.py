@@ -6,7 +6,7 @@ from typing import Any
 
 from echocal.diagnose.settings import Settings
 from echocal.fleet.prevalence import Prevalence, prevalence
-from echocal.fleet.record import FAILED
+from echocal.fleet.verdicts import FAILED
 
 __all__ = ["Judged", "Name", "false_discoveries", "judged"]
 

@@ -23,11 +23,11 @@ from echocal.fleet import verdicts
 from echocal.fleet.index import Sensor, files_of, indexed
 from echocal.fleet.judge import judged
 from echocal.fleet.plan import BYTES_A_ROW, digest, tasks_of
-from echocal.fleet.record import FAILED, failure
 from echocal.fleet.spill import is_spilled, plan_spills, run_spill
 from echocal.fleet.store import Store
 from echocal.fleet.summary import summary
 from echocal.fleet.task import run_task
+from echocal.fleet.verdicts import FAILED, failure
 from echocal.keywords import as_here, keyword
 from echocal.model import Model
 from echocal.model.folder import INDEX, index_text, named

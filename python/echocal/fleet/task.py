@@ -24,8 +24,8 @@ from echocal.diagnose.request import Request
 from echocal.errors import EchocalError, UsageError, unexpected
 from echocal.fleet.gather import Log, logs
 from echocal.fleet.plan import SCHEMA
-from echocal.fleet.record import FAILED, failure, record
 from echocal.fleet.store import Store, put
+from echocal.fleet.verdicts import FAILED, failure, record
 from echocal.model import document
 from echocal.model.plain import from_plain
 from echocal.observations.layout import Layout

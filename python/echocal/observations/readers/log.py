@@ -12,8 +12,7 @@ from echocal.errors import DataError
 from echocal.observations.fields import shown
 from echocal.observations.found import Join
 from echocal.observations.limits import refuse_cells, refuse_names
-from echocal.observations.numbers import NO_NUMBER
-from echocal.observations.silence import NO_ECHO, says_no_echo
+from echocal.observations.numbers import NO_ECHO, NO_NUMBER, says_no_echo
 
 __all__ = ["Log", "numeric"]
 

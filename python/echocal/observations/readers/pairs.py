@@ -3,7 +3,7 @@
 import re
 from collections.abc import Iterator
 
-from echocal.observations.silence import SILENT
+from echocal.observations.numbers import SILENT
 from echocal.observations.units import WRITTEN, symbol_of
 
 __all__ = ["Pair", "pairs_of"]

@@ -8,8 +8,7 @@ from numpy.typing import NDArray
 
 from echocal.calibrate import Calibration, Regression, calibrate
 from echocal.study.origin import REFERENCE_LAW, STATED_LAW, error, reading, reading_in, speed, time
-from echocal.study.rounding import Printed, reach
-from echocal.study.tables import DISTANCE, READING_SPEED, Table, Tables, observations
+from echocal.study.tables import DISTANCE, READING_SPEED, Printed, Table, Tables, observations, reach
 from echocal.study.verdict import Cell, Claim, Finding, Verdict, check
 
 COLUMNS = {
