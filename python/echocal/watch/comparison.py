@@ -1,9 +1,9 @@
 """What the corrected distance of each row is compared with, and which of several sensors has moved.
 
-Of several sensors on one target, it is the one that is farthest from where it usually is. A row counts at most
-three standard deviations in a test, so a sensor that moved by eight and another that is compared with it, which
-seems to move by four, are told equally soon. Their distances from the median of all sensors are not bounded,
-and tell them apart.
+Of several sensors on one target, it is the one that is farthest from where it usually is. A row counts at
+most three standard deviations in a test, so a sensor that moved by eight and another that is compared with
+it, which seems to move by four, are told equally soon. Their distances from the median of all sensors are
+not bounded, and tell them apart.
 """
 
 import math
