@@ -15,8 +15,8 @@ from polars.testing import assert_frame_equal
 from echocal.errors import DataError
 from echocal.fleet.gather import Log, logs
 from echocal.fleet.index import Index, files_of, indexed
-from echocal.fleet.plan import tasks_of
-from echocal.fleet.spill import is_spilled, plan_spills, run_spill
+from echocal.fleet.store import is_spilled, plan_spills, run_spill
+from echocal.fleet.task import tasks_of
 from echocal.model.folder import named
 from echocal.observations.layout import Layout
 

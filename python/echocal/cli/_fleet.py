@@ -168,7 +168,7 @@ def _check(inputs: Sequence[Path], used: Sequence[str | None], outputs: Outputs,
         there = [] if folder is None or not folder.is_dir() else [file.name for file in folder.glob("*.json")]
         check_outputs(*made_in(folder, option, there, recognize), inputs=every, folder=folder, force=force)
     if outputs.plots is not None:
-        from echocal.plots.files import in_form
+        from echocal.plots.draw import in_form
         from echocal.plots.several import PICTURES
 
         names = in_form(PICTURES, outputs.plot_format)

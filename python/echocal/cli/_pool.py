@@ -148,7 +148,7 @@ def _shared(folder: Path | None, table: Path) -> list[Output]:
 def _pictures(folder: Path | None, form: str) -> list[Output]:
     if folder is None:
         return []
-    from echocal.plots.files import in_form
+    from echocal.plots.draw import in_form
     from echocal.plots.several import POOLED_PICTURES  # matplotlib takes a second to import
 
     return made_in(folder, "--plots", in_form(POOLED_PICTURES, form), _made_by.picture("diagnose"))

@@ -335,7 +335,7 @@ def _pictures(folder: Path | None, form: str) -> list[Output]:
     if folder is None:
         return []
     from echocal.plots.diagnosis import PICTURES  # matplotlib takes a second to import
-    from echocal.plots.files import in_form
+    from echocal.plots.draw import in_form
 
     return made_in(folder, "--plots", in_form(PICTURES, form), _made_by.picture("diagnose"))
 

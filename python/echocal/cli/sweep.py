@@ -89,7 +89,7 @@ def _ranges(si: dict[str, str | None], named: list[str]) -> dict[str, Range]:
 
 
 def _plot(grid: xr.Dataset, path: Path) -> None:
-    from echocal.plots.files import save_figure  # matplotlib takes a second to import
+    from echocal.plots.draw import save_figure  # matplotlib takes a second to import
     from echocal.plots.sweep import sweep_figure
 
     if not grid.sizes:

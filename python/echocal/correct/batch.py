@@ -13,8 +13,8 @@ from echocal.correct.logs import logs_of
 from echocal.correct.needed import refuse_no_model
 from echocal.correct.rows import Reading
 from echocal.engines import Engine, is_elsewhere, open_engine
-from echocal.engines.checks import check_workers
 from echocal.engines.processes import Processes
+from echocal.engines.worker import check_workers
 from echocal.errors import UsageError
 from echocal.keywords import keyword
 from echocal.model import Model

@@ -11,11 +11,10 @@ from typing import Any
 from echocal._core import __version__
 from echocal._interrupt import stop_if_told
 from echocal.correct.inputs import Inputs, Source
-from echocal.correct.lock import locked
-from echocal.correct.manifest import FOLDER, Manifest
+from echocal.correct.manifest import FOLDER, Manifest, locked
 from echocal.correct.task import RESULT, SCHEMA, run_task
 from echocal.engines import Engine
-from echocal.engines.checks import check_workers
+from echocal.engines.worker import check_workers
 from echocal.errors import OutputError
 from echocal.keywords import as_here
 from echocal.objects import Object

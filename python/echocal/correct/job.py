@@ -9,7 +9,7 @@ from typing import Any
 
 from echocal.correct.rows import Reading
 from echocal.correct.uncertainty import Uncertainties
-from echocal.engines.checks import models_digest
+from echocal.engines.worker import models_digest
 from echocal.errors import ModelError
 from echocal.model import Model
 from echocal.model.folder import ModelFolder

@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 
 from echocal.correct.corrector import Context, Corrector
 from echocal.correct.inputs import Inputs, Source
-from echocal.correct.marks import context_of
-from echocal.correct.needed import remembered
+from echocal.correct.needed import context_of, remembered
 from echocal.errors import DataError, EchocalError, UsageError
 from echocal.keywords import keyword
 from echocal.model import Model

@@ -9,8 +9,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from echocal.correct.marks import reference_of, with_marks
-from echocal.correct.needed import Needed, is_derived, trusted
+from echocal.correct.needed import Needed, is_derived, reference_of, trusted, with_marks
 from echocal.correct.results import DISTANCE, LEVEL
 from echocal.correct.uncertainty import Uncertainties, included, standard_uncertainty
 from echocal.errors import DataWarning

@@ -10,13 +10,12 @@ from typing import Any
 
 from echocal.correct.corrector import Tally
 from echocal.correct.job import Job
-from echocal.correct.parquet.encode import columns_of, result_fields
+from echocal.correct.parquet.splice import columns_of, result_fields
 from echocal.correct.results import STATUS, UNCERTAINTY, UNUSABLE
 from echocal.correct.rows import Rows
 from echocal.correct.stream import in_order
-from echocal.correct.text.blocks import Block
 from echocal.correct.text.file import Text, check_whole, correct_blocks
-from echocal.correct.text.parse import Lines
+from echocal.correct.text.parse import Block, Lines
 from echocal.errors import DataError, UsageError
 from echocal.keywords import keyword
 from echocal.observations.arrow import Table, arrow

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from echocal.errors import DataError
-from echocal.fleet.spill import KEY, PLACE, broken_files, pieces
+from echocal.fleet.store import KEY, PLACE, broken_files, pieces
 from echocal.fleet.tables import Frame, label, opened, polars
 from echocal.observations.layout import Layout
 from echocal.observations.plan import make
@@ -52,7 +52,7 @@ def logs(
     time_zone : str
         Of times without an offset.
     bucket : (Path, int), optional
-        Where the rows are that were divided before; see `echocal.fleet.spill`.
+        Where the rows are that were divided before; see `echocal.fleet.store`.
     """
     read = _Read({}, {})
     if bucket is not None:

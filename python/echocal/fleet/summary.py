@@ -10,7 +10,7 @@ from typing import Any
 from echocal._core import __version__
 from echocal.diagnose.settings import Settings
 from echocal.diagnose.settings.threshold import PROBABLE
-from echocal.fleet.judge import Judged, false_discoveries
+from echocal.fleet.prevalence import Judged, false_discoveries
 
 __all__ = ["SCHEMA", "summary", "together"]
 

@@ -8,16 +8,15 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from echocal.charts.diagnosis import gain_chart, posterior_chart
 from echocal.charts.errors import column_chart, drawn_columns
+from echocal.charts.results import gain_chart, posterior_chart
 from echocal.diagnose import Diagnosis, NextMeasurement
 from echocal.diagnose.candidates.unexplained_terms import column_of
 from echocal.diagnose.findings.sentences import shown
 from echocal.diagnose.results.explain import class_texts, lead, proposal_text
 from echocal.errors import writing
 from echocal.model import Shape
-from echocal.plots.draw import draw_bars, draw_panel, fitted
-from echocal.plots.files import in_form, save_figure
+from echocal.plots.draw import draw_bars, draw_panel, fitted, in_form, save_figure
 
 __all__ = [
     "PICTURES",

@@ -1,16 +1,21 @@
-"""Charts as pictures: one renderer for what `echocal.charts` describes."""
+"""Charts as pictures and as files: one renderer for what `echocal.charts` describes."""
 
 import textwrap
 from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import Any
 
 import matplotlib.dates as dates
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from echocal.charts.parts import Axis, Bars, Chart, Line, Panel, Points, Rug
+from echocal.errors import UsageError
+from echocal.outputs import replacing
 
-__all__ = ["TONES", "draw_bars", "draw_chart", "draw_panel", "fitted"]
+__all__ = ["TONES", "draw_bars", "draw_chart", "draw_panel", "fitted", "in_form", "save_figure"]
 
 _MOST = 3  # lines
 _LABEL_CHARACTER, _TITLE_CHARACTER = 0.069, 0.062  # inches, at 9 and at 8 points
@@ -31,6 +36,11 @@ _WIDTH = 46  # characters of a line of a bar's label
 _LABEL = 55  # characters of a line below a panel
 _FEW = 200  # points that are visible one by one
 _MARK = 0.97  # height of a rug, in parts of the axis
+FORMS = ("png", "svg", "pdf")
+"""Formats of the plots of a command."""
+
+_MAKER = {"png": "Software", "svg": "Creator", "pdf": "Creator", "ps": "Creator", "eps": "Creator"}
+"""Name of the metadata field for the maker of a figure, by format."""
 
 
 def draw_bars(chart: Bars, ax: Axes, said: Sequence[str] = ()) -> None:
@@ -116,3 +126,37 @@ def fitted(text: str, width: int) -> str:
     'a column of\n\\$dollars\\$ and\ncents'
     """
     return textwrap.fill(text, width, max_lines=_MOST, placeholder=" …").replace("$", r"\$")
+
+
+def save_figure(figure: Figure, path: Path, command: str, **options: Any) -> None:
+    """Write a figure, complete or not at all, in the format of its ending.
+
+    Raises `UsageError` if the file cannot be written.
+
+    Parameters
+    ----------
+    command : str
+        Command that made it; written to the file if its format allows.
+    **options
+        As for `Figure.savefig`.
+    """
+    ending = path.suffix.lower().removeprefix(".")
+    metadata = {_MAKER[ending]: f"echocal {command}"} if ending in _MAKER else None
+    with replacing(path) as unfinished:
+        figure.savefig(unfinished, format=ending, dpi=150, metadata=metadata, **options)
+
+
+def in_form(names: Iterable[str], form: str) -> tuple[str, ...]:
+    """Names of files with the ending of a format.
+
+    Raises `UsageError` if it is none of `FORMS`.
+
+    Examples
+    --------
+    >>> in_form(["gain.png"], "svg")
+    ('gain.svg',)
+    """
+    if form not in FORMS:
+        message = f"plots are written as {', '.join(FORMS)}, not as '{form}'"
+        raise UsageError(message)
+    return tuple(str(Path(name).with_suffix(f".{form}")) for name in names)

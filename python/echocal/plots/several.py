@@ -9,14 +9,13 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from echocal.charts.several import counts_chart, errors_chart
+from echocal.charts.results import counts_chart, fleet_errors_chart
 from echocal.diagnose.findings.sentences import readable
 from echocal.diagnose.pooling.explain import lead
 from echocal.diagnose.pooling.parts import PooledCause
 from echocal.diagnose.pooling.result import PooledDiagnosis
 from echocal.errors import writing
-from echocal.plots.draw import draw_bars
-from echocal.plots.files import in_form, save_figure
+from echocal.plots.draw import draw_bars, in_form, save_figure
 
 __all__ = ["PICTURES", "plot_sizes", "save_fleet", "save_pooled"]
 
@@ -47,7 +46,7 @@ def save_fleet(summary: Mapping[str, Any], folder: str | Path, form: str = "png"
         Format of the file, which is its ending, too.
     """
     folder = Path(folder)
-    charts = [chart for chart in (counts_chart(summary), errors_chart(summary)) if chart is not None]
+    charts = [chart for chart in (counts_chart(summary), fleet_errors_chart(summary)) if chart is not None]
     height = 1.6 + 0.3 * max([1, *(len(chart.bars) for chart in charts)])
     with mpl.rc_context({"font.size": 9, "axes.spines.top": False, "axes.spines.right": False}):
         figure = Figure(figsize=(9.0, height), layout="constrained")

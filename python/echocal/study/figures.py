@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from echocal.plots.files import save_figure
+from echocal.plots.draw import save_figure
 from echocal.study import Study
 from echocal.study.origin import error
 from echocal.study.tables import DISTANCE

@@ -8,7 +8,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.correct.marks import context_of
+from echocal.correct.needed import context_of
 from echocal.correct.results import DISTANCE, STATUS, UNCERTAINTY
 from echocal.errors import DataError
 from echocal.keywords import keyword

@@ -11,8 +11,7 @@ from echocal.correct.corrector import Context, Corrector, Tally
 from echocal.correct.job import Job
 from echocal.correct.logs import surroundings
 from echocal.correct.parquet import footer as f
-from echocal.correct.parquet.encode import Encoded, encode
-from echocal.correct.parquet.splice import Splice
+from echocal.correct.parquet.splice import Encoded, Splice, encode
 from echocal.correct.rows import Rows
 from echocal.correct.stream import corrected
 from echocal.errors import DataError, UsageError, among

@@ -17,8 +17,7 @@ from echocal.correct.logs import surroundings
 from echocal.correct.results import RESULTS, results
 from echocal.correct.rows import Rows
 from echocal.correct.stream import corrected, in_order
-from echocal.correct.text.blocks import Block, blocks_of
-from echocal.correct.text.parse import Lines, Parser
+from echocal.correct.text.parse import Block, Lines, Parser, blocks_of
 from echocal.errors import DataError, UsageError
 from echocal.keywords import command_line, keyword
 from echocal.model.folder import label

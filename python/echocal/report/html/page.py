@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from echocal.charts.diagnosis import gain_chart, posterior_chart
 from echocal.charts.errors import (
     distance_chart,
     drawn_columns,
@@ -16,6 +15,7 @@ from echocal.charts.errors import (
     truth_chart,
 )
 from echocal.charts.parts import MOST, Chart
+from echocal.charts.results import gain_chart, posterior_chart
 from echocal.diagnose import Diagnosis
 from echocal.diagnose.catalogue import find_cause
 from echocal.diagnose.findings.sentences import shifted_text

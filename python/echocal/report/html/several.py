@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
-from echocal.charts.several import counts_chart, errors_chart, sizes_chart, verdicts_chart
+from echocal.charts.results import counts_chart, fleet_errors_chart, sizes_chart, verdicts_chart
 from echocal.diagnose.pooling.explain import in_table_text, lead, sentence, sizes_text, transfer_text
 from echocal.diagnose.pooling.parts import PooledCause
 from echocal.diagnose.pooling.result import PooledDiagnosis
@@ -102,7 +102,7 @@ def fleet_page(summary: Mapping[str, Any], heading: str = "fleet", made_by: str 
         )
         for one in summary["worst"]
     ]
-    charts = [one for one in (counts_chart(summary), errors_chart(summary)) if one is not None]
+    charts = [one for one in (counts_chart(summary), fleet_errors_chart(summary)) if one is not None]
     sections = [
         Section("Verdicts", charts=[verdicts_chart(summary)]),
         Section("Causes", [*false_names(summary["false_discoveries"]), *together], charts),

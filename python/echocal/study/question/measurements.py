@@ -6,8 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.study.question.comparison import Pattern
-from echocal.study.question.explanations import Explanation
+from echocal.study.question.explanations import Explanation, Pattern
 from echocal.study.question.suspects import Suspect
 
 __all__ = ["MEASUREMENTS", "Effects", "Measurement", "Outcome", "judge", "separation"]

@@ -12,8 +12,7 @@ from rich.text import Text
 
 from echocal.study.question import words
 from echocal.study.question.answer import Answer, Made
-from echocal.study.question.comparison import LIMIT
-from echocal.study.question.explanations import Explanation, involved
+from echocal.study.question.explanations import LIMIT, Explanation, involved
 from echocal.study.question.investigation import NEAR
 from echocal.study.question.laws import suspect
 from echocal.study.question.measurements import MEASUREMENTS, separation

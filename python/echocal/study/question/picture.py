@@ -6,9 +6,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from echocal.plots.files import save_figure
+from echocal.plots.draw import save_figure
 from echocal.study.question.answer import Answer, Made
-from echocal.study.question.comparison import LIMIT, unrounded
+from echocal.study.question.explanations import LIMIT, unrounded
 from echocal.study.question.page import FIGURES
 
 __all__ = ["draw_outcomes", "draw_rows", "draw_suspects", "save"]

@@ -6,8 +6,7 @@ import numpy as np
 import pandas as pd
 
 from echocal.errors import UsageError
-from echocal.virtual_bench.campaign.campaign import Campaign
-from echocal.virtual_bench.campaign.causes.registry import cause
+from echocal.virtual_bench.campaign.campaign import Campaign, cause
 
 __all__: list[str] = []
 

@@ -4,8 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from echocal.virtual_bench.campaign.campaign import Campaign
-from echocal.virtual_bench.campaign.causes.registry import cause
+from echocal.virtual_bench.campaign.campaign import Campaign, cause
 from echocal.virtual_bench.instruments import following
 
 __all__: list[str] = []
