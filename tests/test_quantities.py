@@ -17,8 +17,7 @@ from echocal.diagnose.findings.sentences import quantity_text, shown, spoken
 from echocal.observations.units import FORMS
 from echocal.plots.sweep import sweep_figure
 from echocal.quantities import AIR, DEFAULTS, QUANTITIES, Form, QuantityFacts, _entry
-from echocal.sweep import parse_named
-from echocal.sweep.files import write
+from echocal.sweep import parse_named, write
 
 PACKAGE = Path(echocal.__file__).parent
 ENTRIES = tuple(QUANTITIES.values())

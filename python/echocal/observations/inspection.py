@@ -12,6 +12,7 @@ import numpy as np
 import pandas as pd
 
 from echocal.errors import EchocalError
+from echocal.observations.doubtful import note_of, sensors_in
 from echocal.observations.fields import span
 from echocal.observations.found import found_in
 from echocal.observations.names import EXTRA, IGNORE
@@ -19,7 +20,6 @@ from echocal.observations.options import ReadOptions
 from echocal.observations.plan import refuse_absent
 from echocal.observations.proposals import Proposal, codes_in, propose
 from echocal.observations.reading import read_observations
-from echocal.observations.sensors import note_of, sensors_in
 from echocal.observations.source import load
 from echocal.observations.table import Observations
 from echocal.observations.units import split_unit

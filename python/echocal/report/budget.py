@@ -9,8 +9,8 @@ from rich.table import Table
 from rich.text import Text
 
 from echocal.budget import Budget
+from echocal.budget.coverage import plus_minus
 from echocal.budget.entries import Entry
-from echocal.budget.rounding import plus_minus
 from echocal.budget.sources import LAW
 from echocal.quantities import QUANTITIES
 

@@ -14,7 +14,7 @@ from echocal.observations.found import CUT
 from echocal.observations.heading import FIRST, decimal_of, fields_of, head_in, is_value, names_of
 from echocal.observations.layout import Head, Layout, said_no_text, seen_in
 from echocal.observations.limits import from_json
-from echocal.observations.records import Record, Records
+from echocal.observations.text import Record, Records
 from echocal.watch.rows import Row
 
 __all__ = ["Arrival", "Batch", "Parser", "Unread", "json_of", "parsed"]

@@ -16,14 +16,13 @@ from echocal.model import Model
 from echocal.observations.clock import hour_angle, zone_of
 from echocal.observations.marks import MARKS
 from echocal.watch import sentences
-from echocal.watch.clock import Clock, Waiting
+from echocal.watch.clock import Clock, Times, Waiting
 from echocal.watch.correction import RATES, Entry
 from echocal.watch.events import Event, finite
 from echocal.watch.monitor import Monitor
 from echocal.watch.rows import Row, conditions_of, row_to_keep
 from echocal.watch.settings import WatchSettings
 from echocal.watch.signatures import Signature, Signatures, refuse_unwatchable, step_and_drift
-from echocal.watch.times import Times
 
 __all__ = ["RESULTS", "Done", "Host", "Sensor"]
 

@@ -26,7 +26,7 @@ from echocal.observations.layout import CUT_SIGN, NO_SIGN, Head
 from echocal.observations.limits import LINE, too_long
 from echocal.observations.numbers import EMPTY, NO_NUMBER, NUMBER, number_of
 from echocal.observations.quotes import Marks
-from echocal.observations.records import Records
+from echocal.observations.text import Records
 from echocal.outputs import spreadsheet_safe
 
 __all__ = ["Block", "Lines", "Parser", "blocks_of"]

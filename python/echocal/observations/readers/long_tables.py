@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from echocal.observations.found import Found, Join, told
 from echocal.observations.in_time import Clock, clock_of, joined
-from echocal.observations.readers.leads import changes_smoothly, ranger_names
+from echocal.observations.readers.events import changes_smoothly, ranger_names
 
 __all__ = ["step"]
 

@@ -10,8 +10,7 @@ from typing import Any
 from echocal.observations.fields import shown
 from echocal.observations.heading import find_head, is_value
 from echocal.observations.numbers import says_no_echo
-from echocal.observations.readers.events import Event, rows_of
-from echocal.observations.readers.leads import ranger_names
+from echocal.observations.readers.events import Event, ranger_names, rows_of
 from echocal.observations.readers.log import Log
 from echocal.observations.readers.pairs import Pair, pairs_of
 from echocal.observations.readers.stamps import Stamped, stamped

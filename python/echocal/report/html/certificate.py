@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 
 from echocal.budget import Budget, budget
 from echocal.budget.conformity import Conformity, assessed, budget_of_errors
-from echocal.budget.coverage import COVERAGE, DECISIONS
-from echocal.budget.rounding import plus_minus
+from echocal.budget.coverage import COVERAGE, DECISIONS, plus_minus
 from echocal.concise import concise
 from echocal.errors import UsageError
 from echocal.model import Model
