@@ -1,4 +1,4 @@
-"""Times of day to elapsed time, and clocks that were not set, were set anew, stood still, or count otherwise."""
+"""Times of day to elapsed time, and clocks that were not set, set anew, stood still, or count otherwise."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Columns that are not taken for a quantity by their names alone, because of their values."""
+"""Columns that are not taken for a quantity by their names alone, and columns that tell sensors apart."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The clock of a sensor: which times of rows are believed, and how the time of the test goes on."""
+"""The clock of a sensor: how times are read, which are believed, and how the time of the test goes on."""
 
 import re
 from collections.abc import Sequence
