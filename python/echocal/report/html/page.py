@@ -48,26 +48,7 @@ def save_report(
     saved: str | Path = "",
     commands: Mapping[str, str] | None = None,
 ) -> None:
-    """Write a diagnosis as one HTML file.
-
-    Parameters
-    ----------
-    diagnosis : Diagnosis
-    path : path
-    source : str
-        Name of the table, for the title.
-    made_by : str
-        Command line that makes the page again.
-    saved : path
-        The file with the model; empty where it is not saved.
-    commands : mapping of str to str, optional
-        Commands that use this file, by their purpose.
-
-    Raises
-    ------
-    UsageError
-        If the file cannot be written.
-    """
+    """Write a diagnosis as one HTML file, a `report_page`; raises `UsageError` if it cannot be written."""
     replace_text(path, report_page(diagnosis, source, made_by, saved, commands))
 
 
