@@ -14,9 +14,8 @@ from echocal.diagnose import Diagnosis, NextMeasurement
 from echocal.diagnose.candidates.unexplained_terms import column_of
 from echocal.diagnose.findings.sentences import shown
 from echocal.diagnose.results.explain import class_texts, lead, proposal_text
-from echocal.errors import writing
 from echocal.model import Shape
-from echocal.plots.draw import draw_bars, draw_panel, fitted, in_form, save_figure
+from echocal.plots.draw import STYLE, draw_bars, draw_panel, fitted, save_figures
 
 __all__ = [
     "PICTURES",
@@ -59,17 +58,9 @@ def save_diagnosis(diagnosis: Diagnosis, folder: str | Path, form: str = "png") 
     If there is an unexplained term, ``unexplained.png`` shows it. If a smooth correction is offered,
     ``smooth.png`` shows its parts.
 
-    Raises `UsageError` if the folder cannot be written.
-
-    Parameters
-    ----------
-    folder : path
-        Created if it does not exist.
-    form : {"png", "svg", "pdf"}
-        Format of the files, which is their ending, too.
+    Folder and format are as in `save_figures`.
     """
-    folder = Path(folder)
-    with mpl.rc_context({"font.size": 9, "axes.spines.top": False, "axes.spines.right": False}):
+    with mpl.rc_context(STYLE):
         figures = [
             residuals_figure(diagnosis),
             _single(diagnosis, plot_gain, (6.0, 2.8)),
@@ -78,13 +69,7 @@ def save_diagnosis(diagnosis: Diagnosis, folder: str | Path, form: str = "png") 
             None if diagnosis.unexplained is None else _single(diagnosis, plot_unexplained, (6.5, 3.6)),
             smooth_figure(diagnosis) if diagnosis.smooth is not None and diagnosis.smooth.offered else None,
         ]
-        named = zip(in_form(PICTURES, form), figures, strict=True)
-        paths = {folder / name: figure for name, figure in named if figure is not None}
-        with writing(folder):
-            folder.mkdir(parents=True, exist_ok=True)
-        for path, figure in paths.items():
-            save_figure(figure, path, "diagnose")
-    return list(paths)
+    return save_figures(dict(zip(PICTURES, figures, strict=True)), folder, form)
 
 
 def _single(diagnosis: Diagnosis, plot: object, size: tuple[float, float]) -> Figure:

@@ -1,10 +1,11 @@
 """Charts as pictures and as files: one renderer for what `echocal.charts` describes."""
 
 import textwrap
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+import matplotlib as mpl
 import matplotlib.dates as dates
 import numpy as np
 from matplotlib.axes import Axes
@@ -12,10 +13,20 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from echocal.charts.parts import Axis, Bars, Chart, Line, Panel, Points, Rug
-from echocal.errors import UsageError
+from echocal.errors import UsageError, writing
 from echocal.outputs import replacing
 
-__all__ = ["TONES", "draw_bars", "draw_chart", "draw_panel", "fitted", "in_form", "save_figure"]
+__all__ = [
+    "STYLE",
+    "TONES",
+    "draw_bars",
+    "draw_chart",
+    "draw_panel",
+    "fitted",
+    "in_form",
+    "save_figure",
+    "save_figures",
+]
 
 _MOST = 3  # lines
 _LABEL_CHARACTER, _TITLE_CHARACTER = 0.069, 0.062  # inches, at 9 and at 8 points
@@ -36,6 +47,9 @@ _WIDTH = 46  # characters of a line of a bar's label
 _LABEL = 55  # characters of a line below a panel
 _FEW = 200  # points that are visible one by one
 _MARK = 0.97  # height of a rug, in parts of the axis
+STYLE: Any = {"font.size": 9, "axes.spines.top": False, "axes.spines.right": False}
+"""How figures look: of results, diagnoses and fleets."""
+
 FORMS = ("png", "svg", "pdf")
 """Formats of the plots of a command."""
 
@@ -144,6 +158,21 @@ def save_figure(figure: Figure, path: Path, command: str, **options: Any) -> Non
     metadata = {_MAKER[ending]: f"echocal {command}"} if ending in _MAKER else None
     with replacing(path) as unfinished:
         figure.savefig(unfinished, format=ending, dpi=150, metadata=metadata, **options)
+
+
+def save_figures(figures: Mapping[str, Figure | None], folder: str | Path, form: str) -> list[Path]:
+    """Write figures by the names of their files, which end as their format is called.
+
+    The folder is created if it does not exist. Raises `UsageError` if it cannot be written.
+    """
+    named = zip(in_form(figures, form), figures.values(), strict=True)
+    paths = {Path(folder) / name: figure for name, figure in named if figure is not None}
+    with writing(Path(folder)):
+        Path(folder).mkdir(parents=True, exist_ok=True)
+    with mpl.rc_context(STYLE):
+        for path, figure in paths.items():
+            save_figure(figure, path, "diagnose")
+    return list(paths)
 
 
 def in_form(names: Iterable[str], form: str) -> tuple[str, ...]:

@@ -14,8 +14,7 @@ from echocal.diagnose.findings.sentences import readable
 from echocal.diagnose.pooling.explain import lead
 from echocal.diagnose.pooling.parts import PooledCause
 from echocal.diagnose.pooling.result import PooledDiagnosis
-from echocal.errors import writing
-from echocal.plots.draw import draw_bars, in_form, save_figure
+from echocal.plots.draw import STYLE, draw_bars, save_figures
 
 __all__ = ["PICTURES", "plot_sizes", "save_fleet", "save_pooled"]
 
@@ -34,21 +33,11 @@ PICTURES = ("fleet.png",)
 def save_fleet(summary: Mapping[str, Any], folder: str | Path, form: str = "png") -> list[Path]:
     """Write ``fleet.png``: in how many sensors each cause is, and what it costs there.
 
-    Raises `UsageError` if the folder cannot be written.
-
-    Parameters
-    ----------
-    summary : mapping
-        Schema ``echocal.fleet/1``.
-    folder : path
-        Created if it does not exist.
-    form : {"png", "svg", "pdf"}
-        Format of the file, which is its ending, too.
+    The summary is of schema ``echocal.fleet/1``; folder and format are as in `save_figures`.
     """
-    folder = Path(folder)
     charts = [chart for chart in (counts_chart(summary), fleet_errors_chart(summary)) if chart is not None]
     height = 1.6 + 0.3 * max([1, *(len(chart.bars) for chart in charts)])
-    with mpl.rc_context({"font.size": 9, "axes.spines.top": False, "axes.spines.right": False}):
+    with mpl.rc_context(STYLE):
         figure = Figure(figsize=(9.0, height), layout="constrained")
         axes = figure.subplots(1, max(len(charts), 1), squeeze=False).ravel()
         for ax, chart in zip(axes, charts, strict=False):
@@ -60,31 +49,19 @@ def save_fleet(summary: Mapping[str, Any], folder: str | Path, form: str = "png"
             axes[0].axis("off")
         verdicts = ", ".join(f"{count} {verdict}" for verdict, count in summary["verdicts"].items())
         figure.suptitle(f"{summary['sensors']} sensors: {verdicts}", fontsize=9)
-        with writing(folder):
-            folder.mkdir(parents=True, exist_ok=True)
-        (path,) = (folder / name for name in in_form(PICTURES, form))
-        save_figure(figure, path, "diagnose")
-    return [path]
+    return save_figures(dict.fromkeys(PICTURES, figure), folder, form)
 
 
 def save_pooled(pooled: PooledDiagnosis, folder: str | Path, form: str = "png") -> list[Path]:
     """Write ``sizes.png``: the sizes of the shared causes in each table.
 
-    Raises `UsageError` if the folder cannot be written.
-
-    Parameters
-    ----------
-    folder : path
-        Created if it does not exist.
-    form : {"png", "svg", "pdf"}
-        Format of the file, which is its ending, too.
+    Folder and format are as in `save_figures`.
     """
-    folder = Path(folder)
     panels = [
         (cause, p.name) for cause in pooled.causes for p in cause.parameters if p.standard_uncertainty > 0.0
     ]
     height = 1.6 + 0.22 * min(len(pooled.tables), _NAMED)
-    with mpl.rc_context({"font.size": 9, "axes.spines.top": False, "axes.spines.right": False}):
+    with mpl.rc_context(STYLE):
         figure = Figure(figsize=(6.5, height * max(len(panels), 1)), layout="constrained")
         axes = figure.subplots(max(len(panels), 1), 1, squeeze=False).ravel()
         for ax, (cause, name) in zip(axes, panels, strict=False):
@@ -93,11 +70,7 @@ def save_pooled(pooled: PooledDiagnosis, folder: str | Path, form: str = "png") 
             axes[0].text(0.5, 0.5, "no sizes that the tables share", ha="center", transform=axes[0].transAxes)
             axes[0].axis("off")
         figure.suptitle(f"{pooled.verdict}: {lead(pooled)}", fontsize=9)
-        with writing(folder):
-            folder.mkdir(parents=True, exist_ok=True)
-        (path,) = (folder / name for name in in_form(POOLED_PICTURES, form))
-        save_figure(figure, path, "diagnose")
-    return [path]
+    return save_figures(dict.fromkeys(POOLED_PICTURES, figure), folder, form)
 
 
 def plot_sizes(cause: PooledCause, name: str, ax: Axes) -> None:
