@@ -11,7 +11,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from echocal import silicon
-from echocal.emulation.inputs import Inputs, from_ranges, from_table
+from echocal.emulation.inputs import TRUTH, Emulation, Inputs, from_ranges, from_table
 from echocal.emulation.lines import columns_of, understood
 from echocal.emulation.package import (
     PARTS_OF_ERROR,
@@ -20,7 +20,6 @@ from echocal.emulation.package import (
     error_parts,
     package_of,
 )
-from echocal.emulation.result import TRUTH, Emulation
 from echocal.errors import UsageError
 from echocal.firmware import Firmware
 from echocal.model import Model

@@ -12,7 +12,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from echocal.emulation.result import Emulation
+from echocal.emulation.inputs import Emulation
 from echocal.errors import DomainWarning, UsageError
 from echocal.firmware import EchoCodes, Firmware, generate
 from echocal.model import Model
