@@ -19,7 +19,7 @@ import numpy as np
 import typer
 
 import echocal
-from echocal.engines.engine import processors
+from echocal.engines.processes import processors
 from echocal.fleet import diagnose_fleet
 
 SHARES = {
