@@ -15,8 +15,8 @@ from echocal.cli import app
 from echocal.correct.batch import job_of
 from echocal.correct.job import Job
 from echocal.correct.rows import Reading
+from echocal.observations.given import READ_OPTIONS
 from echocal.observations.options import ReadOptions
-from echocal.observations.reading import READ_OPTIONS
 
 PACKAGE = Path(echocal.__file__).parent
 ALL: dict[str, Any] = {

@@ -20,7 +20,7 @@ from echocal.model import Model
 from echocal.observations import Observations
 from echocal.observations.at import sentences, shifted, uncertain
 from echocal.observations.correction import base_indication, corrected_distance, outside_smooth
-from echocal.observations.reading import observed
+from echocal.observations.given import observed
 from echocal.shown import Shown
 from echocal.sweep import Range, sweep
 

@@ -7,7 +7,7 @@ from toolchain import run
 
 from echocal import Model, firmware
 from echocal.firmware import Firmware
-from echocal.silicon.cores import BASE, PRIME, joined
+from echocal.silicon.avr import BASE, PRIME, joined
 
 FAULTS = """
 #include <stdio.h>

@@ -10,7 +10,7 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 
-from echocal.budget.sources import INSTRUMENTS, Limits
+from echocal.budget.instruments import INSTRUMENTS, Limits
 from echocal.quantities import QUANTITIES
 
 ROOT = Path(__file__).resolve().parents[2]

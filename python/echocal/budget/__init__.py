@@ -20,7 +20,7 @@ from echocal.model import Model
 from echocal.observations import Observations
 from echocal.observations.at import sentences, uncertain
 from echocal.observations.correction import corrected_distance
-from echocal.observations.reading import READ_OPTIONS, observed
+from echocal.observations.given import READ_OPTIONS, observed
 from echocal.quantities import QUANTITIES
 from echocal.sweep.grid import axis
 

@@ -6,7 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from echocal.budget.sources import INSTRUMENTS, TAPES, Source, of_instrument, of_law, of_step, of_tape
+from echocal.budget.instruments import INSTRUMENTS, TAPES
+from echocal.budget.sources import Source, of_instrument, of_law, of_step, of_tape
 from echocal.errors import UsageError, among
 from echocal.keywords import keyword
 from echocal.observations.units import NAMES

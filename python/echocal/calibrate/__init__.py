@@ -17,7 +17,7 @@ from echocal.errors import DataError, UsageError
 from echocal.model import Model, ResidualUncertainty
 from echocal.observations import Observations
 from echocal.observations.at import sentences, shifted, uncertain
-from echocal.observations.reading import observed
+from echocal.observations.given import observed
 
 __all__ = ["Calibration", "Estimate", "Form", "Parameter", "Prediction", "Regression", "calibrate"]
 

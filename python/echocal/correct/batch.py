@@ -21,8 +21,8 @@ from echocal.model import Model
 from echocal.model.folder import ModelFolder
 from echocal.model.plain import to_plain
 from echocal.objects import is_url
+from echocal.observations.given import READ_OPTIONS, refuse_keywords
 from echocal.observations.layout import Layout
-from echocal.observations.reading import READ_OPTIONS, refuse_keywords
 from echocal.places import place_of, size_of
 
 __all__ = ["correct_files", "in_bytes", "job_of"]

@@ -15,9 +15,10 @@ from echocal.correct.rows import Reading, Rows, correct_rows
 from echocal.errors import DataError, UsageError
 from echocal.model import Model
 from echocal.observations.arrow import arrow
+from echocal.observations.given import READ_OPTIONS, refuse_keywords
 from echocal.observations.misspelled import naming
 from echocal.observations.numbers import Missing
-from echocal.observations.reading import READ_OPTIONS, refuse_keywords, understood
+from echocal.observations.reading import understood
 from echocal.observations.source import load
 from echocal.observations.table import Observations
 

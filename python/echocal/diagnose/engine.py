@@ -21,8 +21,8 @@ from echocal.diagnose.settings import Settings
 from echocal.errors import UsageError
 from echocal.model import Model
 from echocal.observations import Observations
+from echocal.observations.given import READ_OPTIONS, refuse_keywords
 from echocal.observations.misspelled import naming
-from echocal.observations.reading import READ_OPTIONS, refuse_keywords
 
 __all__ = ["diagnose"]
 

@@ -13,8 +13,8 @@ from functools import cache
 from pathlib import Path
 
 from echocal.errors import DataError, UsageError
+from echocal.silicon.avr import HEADERS
 from echocal.silicon.board import HERE
-from echocal.silicon.cores import HEADERS
 from echocal.silicon.tools import absent, attempt, compiler_version, kept, run
 
 __all__ = [

@@ -10,9 +10,9 @@ from typing import Any
 from echocal.correct.needed import refuse_no_model
 from echocal.errors import DataError, UsageError
 from echocal.model import Model
+from echocal.observations.given import READ_OPTIONS, refuse_keywords
 from echocal.observations.mount import is_level
 from echocal.observations.options import ReadOptions
-from echocal.observations.reading import READ_OPTIONS, refuse_keywords
 from echocal.watch.events import Event
 from echocal.watch.fleet import Fleet
 from echocal.watch.parser import Arrival, Batch, Parser

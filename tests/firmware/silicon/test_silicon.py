@@ -9,7 +9,7 @@ from costs import Cost, check
 
 from echocal import Model, firmware, silicon
 from echocal.firmware import Firmware
-from echocal.silicon.cores import Avr, joined
+from echocal.silicon.avr import Avr, joined
 
 DRY = {"relative_humidity": 0.0, "co2_mole_fraction": 0.0}
 DS18B20 = (0.0625, -20.0, 60.0)

@@ -21,7 +21,7 @@ from echocal.diagnose.settings import Settings
 from echocal.errors import DataError
 from echocal.model import Model
 from echocal.observations import Observations
-from echocal.observations.reading import READ_OPTIONS, refuse_keywords
+from echocal.observations.given import READ_OPTIONS, refuse_keywords
 
 __all__ = ["diagnose_many"]
 

@@ -17,6 +17,7 @@ from echocal.observations.heading import FIRST
 from echocal.observations.limits import LOG_LINE
 from echocal.observations.readers import (
     bursts,
+    date_pieces,
     esphome,
     json_records,
     line_protocol,
@@ -28,7 +29,7 @@ from echocal.observations.readers import (
     nmea,
     serial_lines,
     spreadsheet,
-    time_steps,
+    times,
     unit_steps,
     white_space,
 )
@@ -53,8 +54,8 @@ _STEPS = (
     unit_steps.units_in_cells,
     long_tables.step,
     bursts.step,
-    time_steps.date_in_pieces,
-    time_steps.one_time,
+    date_pieces.step,
+    times.step,
     unit_steps.columns_named_by_unit,
     unit_steps.repeated,
 )
@@ -114,7 +115,7 @@ def tidy(table: pd.DataFrame) -> pd.DataFrame:
 
 def with_dates(table: pd.DataFrame) -> pd.DataFrame:
     """A table of a library with one time, where it has a date in pieces."""
-    made, found = time_steps.date_in_pieces(table, found_in(table))
+    made, found = date_pieces.step(table, found_in(table))
     return table if made is table else keep(made, found)
 
 

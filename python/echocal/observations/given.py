@@ -1,0 +1,78 @@
+"""Tables that a function takes as they are, and keywords that it does not have."""
+
+import inspect
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import fields
+from difflib import get_close_matches
+from typing import Any
+
+from echocal.errors import UsageError
+from echocal.model import Model
+from echocal.observations.mount import mounted_as
+from echocal.observations.options import ReadOptions
+from echocal.observations.reading import read_observations
+from echocal.observations.table import Observations
+
+__all__ = ["READ_OPTIONS", "observed", "refuse_keywords"]
+
+READ_OPTIONS = tuple(one.name for one in fields(ReadOptions) if one.init)
+"""Keywords of `echocal.read_observations`."""
+
+
+def observed(
+    given: Any, caller: Callable[..., Any], how: Mapping[str, Any], speed: str, model: Model | None = None
+) -> Observations:
+    """Return the observations that a function was given, or read them from a table.
+
+    Parameters
+    ----------
+    given : Observations, path, DataFrame of any library, or mapping of str to array_like
+    caller : callable
+        Function that was called, for the message.
+    how : mapping of str to object
+        Its further keywords: arguments of `echocal.read_observations`.
+    speed : str
+        Law or speed [m/s] that the device converts with, where they do not say; empty for the default.
+    model : Model, optional
+        Its height of the sensor is that of levels, where they do not say.
+
+    Raises
+    ------
+    TypeError
+        If the caller has no such keyword.
+    UsageError
+        If keywords for reading are given with observations.
+    """
+    refuse_keywords(caller, how, READ_OPTIONS)
+    if isinstance(given, Observations):
+        if how:
+            name = next(iter(how))
+            message = f"{name} is an argument for reading a table; pass it to read_observations instead"
+            raise UsageError(message)
+        return given
+    default: dict[str, Any] = {"reading_speed": speed} if speed else {}
+    if model is not None and how.get("columns"):
+        default["columns"] = mounted_as(ReadOptions(**how).requests, model)
+        how = {name: value for name, value in how.items() if name not in ("columns", "mount_height")}
+    return read_observations(given, **{**default, **how})
+
+
+def refuse_keywords(caller: Callable[..., Any], given: Iterable[str], also: Iterable[str] = ()) -> None:
+    """Raise `TypeError` for a keyword that neither the called function nor `also` has.
+
+    Examples
+    --------
+    >>> def weigh(*, mass, **more):
+    ...     refuse_keywords(weigh, more, ["unit"])
+    >>> weigh(mass=1.0, units="kg")
+    Traceback (most recent call last):
+    TypeError: weigh() got an unexpected keyword argument 'units'; did you mean 'unit'?
+    """
+    own = inspect.signature(caller).parameters.values()
+    known = [*(p.name for p in own if p.kind is not p.VAR_KEYWORD), *also]
+    for name in given:
+        if name not in known:
+            near = get_close_matches(name, known, n=1)
+            hint = f"; did you mean '{near[0]}'?" if near else ""
+            message = f"{caller.__name__}() got an unexpected keyword argument '{name}'{hint}"
+            raise TypeError(message)
