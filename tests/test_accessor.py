@@ -46,13 +46,17 @@ def test_a_method_is_the_function_of_the_table(random: np.random.Generator) -> N
     assert fitted.to_dict() == echocal.calibrate(table, echocal.Model("linear"), ["zero_error"]).to_dict()
     assert table.echocal.verify(maximum_permissible_error=0.02).passed
     assert len(table.echocal.read_observations()) == 60
+    stated = {"thermometer": "DHT22"}
+    found = table.echocal.budget(MODEL, uncertainties=stated, trials=0)
+    assert found.to_dict() == echocal.budget(MODEL, table, uncertainties=stated, trials=0).to_dict()
     assert table.echocal.diagnose(base="linear").verdict == echocal.diagnose(table, base="linear").verdict
 
 
 @pytest.mark.parametrize("name", METHODS)
 def test_a_method_has_the_signature_and_the_help_of_the_function(name: str) -> None:
     function = getattr(echocal, name)
-    own = list(inspect.signature(function).parameters.values())[1:]
+    own = list(inspect.signature(function).parameters.values())
+    del own[1 if name == "budget" else 0]  # the table
     method = getattr(pd.DataFrame().echocal, name)
     assert list(inspect.signature(method).parameters.values()) == own
     assert inspect.getdoc(method) == inspect.getdoc(function)

@@ -32,7 +32,6 @@ def device(residual: ResidualUncertainty | None = RESIDUAL) -> echocal.Model:
 
 
 STATED = {
-    "temperature_C": 0.4,
     "echo_us": 3.0,
     "thermometer": "DHT22",
     "timer_us": 4,
@@ -137,7 +136,7 @@ def test_a_budget_of_ours_against_gtc(distance: float) -> None:
     delay, offset = gtc.multiple_ureal([8e-5, 2e-3], [3e-6, 4e-4], 16)
     gtc.set_correlation(R, delay, offset)
     inf = float("inf")
-    celsius = gtc.ureal(23.0, 0.4, inf) + sum(gtc.ureal(0, half / 3**0.5, inf) for half in (0.5, 0.05))
+    celsius = 23.0 + sum(gtc.ureal(0, half / 3**0.5, inf) for half in (0.5, 0.05))
     time = gtc.ureal(echo, 3e-6, inf) + gtc.ureal(0, 2e-6 / 3**0.5, inf)
     law = 1.0 + gtc.ureal(0, 300e-6 / 3**0.5, inf)
     bare = (331.4 + 0.6 * celsius) * (time - delay) / 2 - offset
@@ -156,7 +155,7 @@ def test_a_budget_of_ours_against_metrolopy(distance: float) -> None:
     found = echocal.budget(device(), distance=distance, temperature=23.0, uncertainties=STATED, trials=0)
     echo = 2 * (distance + 2e-3) / (331.4 + 0.6 * 23.0) + 8e-5
     delay, offset = gummy.create([8e-5, 2e-3], u=[3e-6, 4e-4], correlation_matrix=[[1, R], [R, 1]])
-    celsius = 23.0 + sum(gummy(0, u=u) for u in (0.4, 0.5 / 3**0.5, 0.05 / 3**0.5))
+    celsius = 23.0 + sum(gummy(0, u=u) for u in (0.5 / 3**0.5, 0.05 / 3**0.5))
     time = gummy(echo, u=3e-6) + gummy(0, u=2e-6 / 3**0.5)
     bare = (331.4 + 0.6 * celsius) * (time - delay) / 2 - offset
     whole = bare * (1 + gummy(0, u=300e-6 / 3**0.5)) + gummy(0, u=float(RESIDUAL.of(distance)))
@@ -265,6 +264,11 @@ def test_an_assumed_humidity_may_be_uncertain_to_its_end() -> None:
         ({"law": "mine"}, "no such law; there are published"),
         (["thermometer=DHT22", "thermometer=DHT11"], "states thermometer twice"),
         ({"temperature": 0.5}, "names no quantity with its unit"),
+        (
+            {"temperature_C": 0.5, "thermometer": "DHT22"},
+            "temperature twice, by temperature as a number and by thermometer=DHT22",
+        ),
+        ({"law": "published", "law_ppm": 300}, "speed of sound twice, by law=published and by law_ppm=300"),
     ],
 )
 def test_mistakes_are_told(stated: object, message: str) -> None:

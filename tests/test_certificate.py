@@ -117,7 +117,7 @@ def test_the_longest_one_prints_on_two_pages(tmp_path: Path) -> None:
     }
     pd.DataFrame(table).to_csv(tmp_path / "new.csv", index=False)
     known = "thermometer=DHT22 hygrometer=DHT22 barometer=BME280 tape=III timer_us=4 resolution_mm=10"
-    known += " law=published echo_us=2 co2_ppm=50 temperature_C=0.1"
+    known += " law=published echo_us=2 co2_ppm=50 supply_V=0.05"
     words = [word for one in known.split() for word in ("--uncertainty", one)]
     out = tmp_path / "out.pdf"
     run(
@@ -200,3 +200,22 @@ def test_a_missing_library_is_told(bench: Path, monkeypatch: pytest.MonkeyPatch)
         app, ["certificate", str(bench / "model.json"), str(bench / "new.csv"), "-o", "c.pdf"]
     )
     assert "pip install 'echocal[pdf]'" in str(done.exception)
+
+
+def test_the_join_of_a_reference_is_a_line_of_the_budget_of_the_errors() -> None:
+    seconds = np.arange(0.0, 6000.0, 60.0)
+    distance = 1.5 + 0.3 * np.sin(seconds / 900.0)
+    table = {"reading_m": distance, "time_s": seconds, "temperature_C": np.full(100, 20.0)}
+    gauge = {"distance_m": 1.5 + 0.3 * np.sin(seconds[::5] / 900.0), "time_s": seconds[::5]}
+    read = echocal.read_observations(pd.DataFrame(table), reference=pd.DataFrame(gauge))
+    assert read.reference_join_uncertainty
+    model = echocal.Model("linear", residual_uncertainty=ResidualUncertainty(1e-3))
+    found = certify(model, read, maximum_permissible_error=5e-3, uncertainties={"tape": "II"})
+    page = certificate_page(found, {})
+    assert "reference distance, joined by time" in page
+    assert "tape of class II" in page
+    lines = [entry.words for entry in found.of_errors.entries]
+    assert lines == ["tape of class II", "reference distance, joined by time"]
+    assert found.of_errors.rows(found.rows).standard_uncertainty == pytest.approx(
+        found.conformity.standard_uncertainty
+    )

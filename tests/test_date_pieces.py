@@ -47,6 +47,33 @@ def test_the_pieces_are_one_time(tmp_path: Path, names: dict[str, str], kind: st
     assert any("are read together as time" in note for note in read.notes)
 
 
+HHMM = np.asarray(TIMES.hour * 100 + TIMES.minute)
+HOURS = np.asarray(TIMES.hour + TIMES.minute / 60 + TIMES.second / 3600)
+DAYS = np.asarray(TIMES.day_of_year) + HOURS / 24
+
+
+@pytest.mark.parametrize(
+    ("columns", "step"),
+    [
+        ({"Year_RTM": TIMES.year, "Day_RTM": TIMES.day_of_year, "Hour_Minute_RTM": HHMM}, "min"),
+        ({"year": TIMES.year, "doy": TIMES.day_of_year, "time": HHMM}, "min"),
+        ({"year": TIMES.year, "month": TIMES.month, "day": TIMES.day, "hour": HHMM}, "min"),
+        ({"year": TIMES.year, "doy": TIMES.day_of_year, "hour": HHMM, "second": TIMES.second}, "s"),
+        ({"year": TIMES.year, "month": TIMES.month, "day": TIMES.day, "hour": HOURS.round(6)}, "s"),
+        ({"Year": TIMES.year, "Julian Day": DAYS.round(7)}, "s"),
+    ],
+    ids=["campbell", "time", "hour", "second", "decimal hours", "decimal days"],
+)
+def test_the_time_of_day_may_be_one_number(columns: dict[str, Any], step: str) -> None:
+    """1345 is a quarter to two, as Campbell loggers write it, and 13.75 is, too."""
+    held = {name: np.asarray(own) for name, own in columns.items()}
+    read = echocal.read_observations({**held, **pieces({})}, reading_speed=343)
+    assert read.time is not None
+    expected = TIMES.floor(step).to_numpy().astype("datetime64[ns]")
+    assert np.abs((read.time - expected) / np.timedelta64(1, "ms")).max() < 20
+    assert not read.extra
+
+
 def test_a_piece_that_is_missing_or_impossible_is_a_row_without_time() -> None:
     table = pd.DataFrame(pieces({name: name for name in ("year", "month", "day", "hour")}))
     table["day"] = table["day"].astype(float)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import echocal
-from echocal.diagnose.preprocess.quantization_grid import find_grid
+from echocal.observations.quantization_grid import find_grid
 
 N = 400
 Table = dict[str, np.ndarray]

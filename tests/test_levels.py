@@ -10,6 +10,8 @@ from typer.testing import CliRunner
 
 import echocal
 from echocal.cli import app
+from echocal.observations.inspection import inspect_log
+from echocal.observations.mount import kept_height
 
 HEIGHT = 2.6
 CAUSE = echocal.Model("linear", {"clock_error": {"frequency_error": 0.01}})
@@ -164,3 +166,63 @@ def test_the_command_takes_the_height_from_a_file_of_options(tmp_path: Path) -> 
     wrong = CliRunner().invoke(app, ["diagnose", str(tmp_path / "tank.csv"), "--column", "Lvl=level_cm"])
     assert isinstance(wrong.exception, echocal.UsageError)
     assert "--mount-height METERS" in str(wrong.exception)
+
+
+@pytest.mark.parametrize("name", ["level_m", "reference_level_m"])
+def test_a_level_by_its_header_is_never_taken_for_a_distance(name: str, tmp_path: Path) -> None:
+    table, _ = tank(7)
+    renamed = (
+        table.rename(columns={"gauge": name}) if name != "level_m" else table.assign(level_m=table["gauge"])
+    )
+    found = inspect_log(renamed.drop(columns=["Lvl"]).assign(echo_us=9000.0 - 3000.0 * table["gauge"]))
+    proposed = {column.name: column.proposal.request for column in found.columns}
+    assert proposed[name] in (name, "")
+    renamed.to_csv(tmp_path / "tank.csv", index=False)
+    asked = CliRunner().invoke(app, [str(tmp_path / "tank.csv")])
+    assert isinstance(asked.exception, echocal.EchocalError)
+    assert "distance_m" not in str(asked.exception).replace("reference_level_m", "").split("--column")[0]
+
+
+def test_the_height_makes_a_level_of_a_column_that_is_called_so() -> None:
+    table, _ = tank(8)
+    named = table.rename(columns={"Lvl": "level_cm", "gauge": "reference_level_m"})
+    read = echocal.read_observations(named, mount_height=HEIGHT)
+    said = echocal.read_observations(table, COLUMNS, mount_height=HEIGHT)
+    assert read.mount_height == HEIGHT
+    assert read.reading == pytest.approx(said.reading)
+    assert read.reference_distance == pytest.approx(said.reference_distance)
+    with pytest.raises(echocal.UsageError, match="is for a column that holds a level"):
+        echocal.read_observations(table, mount_height=HEIGHT)
+
+
+@pytest.mark.parametrize("given", [True, False], ids=["height given", "height fitted"])
+@pytest.mark.parametrize(("factor", "way"), [(100.0, "'reference_level_cm'"), (0.01, "multiply it by 100,")])
+def test_a_level_in_another_unit_than_the_distance_is_refused(given: bool, factor: float, way: str) -> None:
+    table, _ = tank(9)
+    table["reading_m"] = HEIGHT - 0.01 * table.pop("Lvl")
+    table["gauge"] *= factor
+    with pytest.raises(echocal.DataError, match=f"column 'gauge'.*{way}"):
+        echocal.read_observations(
+            table, {"gauge": "reference_level_m"}, mount_height=HEIGHT if given else None
+        )
+
+
+def test_a_height_beside_a_file_of_options_wins_or_is_refused(tmp_path: Path) -> None:
+    """A file that a command wrote keeps the height apart from the columns."""
+    table, _ = tank(10)
+    table.to_csv(tmp_path / "tank.csv", index=False)
+    log, out = str(tmp_path / "tank.csv"), str(tmp_path / "out")
+    columns = ["--column", "Lvl=level_cm", "--column", "gauge=reference_level_m"]
+    done = CliRunner().invoke(app, [log, *columns, "--mount-height", "2.6", "-o", out, "--quiet"])
+    assert done.exit_code == 0, done.output
+    toml = tmp_path / "out" / "tank-options.toml"
+    again = ["diagnose", log, "--options", str(toml), "--mount-height", "2.7", "--save-model"]
+    assert CliRunner().invoke(app, [*again, str(tmp_path / "m.json")]).exit_code == 0
+    assert kept_height(echocal.Model.load(tmp_path / "m.json")) == 2.7
+    toml.write_text(
+        toml.read_text()
+        .replace("level_cm", "level_cm below 2.6 m")
+        .replace('level_m"', 'level_m below 2.6 m"')
+    )
+    refused = CliRunner().invoke(app, [*again, str(tmp_path / "n.json")])
+    assert "is for no level: 'Lvl' has a height of its own, 2.6 m" in str(refused.exception)

@@ -6,9 +6,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+from typer.testing import CliRunner
 
 import echocal
 from echocal import DataError, Model, ModelError, UsageError
+from echocal.cli import app
 from echocal.observations.layout import Layout
 
 CODES = (1.0, 0.0, 2.0)
@@ -341,3 +343,44 @@ def test_one_text_may_stand_for_a_list_of_one() -> None:
     assert len(echocal.read_observations(TABLE, trust="temperature_C")) == 9
     model = Model("cramer", {"temperature_gradient": {"gradient": 0.1}})
     assert echocal.firmware.generate(model, temperature=CODES, echo=900, accept="temperature_gradient").files
+
+
+@pytest.mark.parametrize(
+    ("options", "says"),
+    [
+        (["--reference-join", "nearest"], "--reference-join nearest does nothing without --reference"),
+        (["--plot-format", "svg"], "--plot-format svg does nothing without --plots"),
+        (["--memory", "1GB"], "--memory is for a fleet"),
+        (["again.csv", "--details"], "--details is for one table, and several are given"),
+    ],
+)
+def test_an_option_that_would_do_nothing_is_refused(
+    options: list[str], says: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    for name in ("log.csv", "again.csv"):
+        Path(name).write_text("reading_m,distance_m,temperature_C\n1.0,1.0,20\n2.0,2.0,20\n")
+    done = CliRunner().invoke(app, ["diagnose", "log.csv", *options])
+    assert isinstance(done.exception, echocal.UsageError)
+    assert says in str(done.exception)
+
+
+def test_what_a_model_needs_is_asked_for_as_the_caller_gives_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("log.csv").write_text("reading_m,distance_m\n1.0,1.0\n2.0,2.0\n")
+    words = ["budget", "log.csv", "--law", "cramer", "--reading-speed", "343", "--uncertainty", "timer_us=4"]
+    told = str(CliRunner().invoke(app, words).exception)
+    assert '--column "NAME=temperature_C"' in told
+    assert '--at "temperature_C=20+-2"' in told
+    assert "Model(" not in told
+    with pytest.raises(DataError, match=r"pass temperature=\.\.\., or assume a value with Model\(air="):
+        Model("cramer").distance(0.01)
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_log_in_another_unit_is_refused_without_a_warning() -> None:
+    table = {"reading_m": [1003.0, 1504.0, 2003.0], "temperature_C": [20.0] * 3}
+    with pytest.raises(DataError, match=r"as reading_mm 1\.504 m"):
+        echocal.correct(table, Model("linear"))

@@ -81,6 +81,24 @@ def test_a_change_of_a_column_forgets_the_diagnosis(random: np.random.Generator)
     session.close()
 
 
+def test_a_session_takes_what_no_column_holds(random: np.random.Generator) -> None:
+    """The temperature, the ruler values of placements, the height of a level."""
+    session = Session()
+    reading = np.repeat([0.51, 1.21, 2.51], 40) + random.normal(0.0, 1e-3, 120)
+    session.open("bench.csv", pd.DataFrame({"reading_m": reading}).to_csv(index=False).encode())
+    session.say(temperature="20+-2")
+    session.diagnose(base="linear", placements="0.5,1.2,2.5")
+    assert "--at temperature=20+-2" in Text(session.products()["bench report.html"]).seen
+    with pytest.raises(echocal.UsageError, match="for a column that holds a level"):
+        session.say(temperature="20+-2", mount_height=2.6)
+    session.open("tank.csv", pd.DataFrame({"level_m": 2.6 - reading}).to_csv(index=False).encode())
+    session.say(temperature="20", mount_height=2.6)
+    assert session.taken_for["level_m"] == "level_m below 2.6 m"
+    session.diagnose(base="linear", placements="0.5,1.2,2.5")
+    assert "corrected_level_m" in session.products()["tank corrected.csv"]
+    session.close()
+
+
 @pytest.mark.parametrize(
     ("host", "origin", "answered"),
     [
@@ -217,3 +235,33 @@ def test_a_phone_from_a_log_to_its_c(address: str, random: np.random.Generator, 
     assert b"corrected_distance_m" in taken["corrected.csv"].splitlines()[0]
     assert b"<title>echocal: my log.csv" in taken["report.html"]
     assert zipfile.is_zipfile(io.BytesIO(taken["firmware.zip"]))
+
+
+@pytest.mark.slow
+def test_a_raw_log_with_what_no_column_holds(
+    address: str, random: np.random.Generator, tmp_path: Path
+) -> None:
+    playwright = pytest.importorskip("playwright.sync_api")
+    reading = np.repeat([0.51, 1.21, 2.51], 40) + random.normal(0.0, 1e-3, 120)
+    pd.DataFrame({"reading_m": reading}).to_csv(tmp_path / "bench.csv", index=False)
+    with playwright.sync_playwright() as started:
+        browser = started.chromium.launch(executable_path=chromium(), args=["--no-sandbox"])
+        page = browser.new_context(viewport=PHONE, has_touch=True).new_page()
+        page.set_default_timeout(60_000)
+        page.goto(address)
+        page.set_input_files("input[type=file]", tmp_path / "bench.csv")
+        page.get_by_label("temperature of the air").fill("20+-2")
+        page.get_by_label("ruler values").fill("0.5, 1.2, 2.5")
+        page.get_by_label("mount height").fill("2.6")
+        page.get_by_role("button", name="Diagnose").click()
+        playwright.expect(page.get_by_role("alert")).to_contain_text("for a column that holds a level")
+        page.get_by_label("mount height").fill("")
+        page.get_by_role("button", name="Diagnose").click()
+        report = page.frame_locator("iframe")
+        report.locator(".verdict").wait_for()
+        assert "temperature=20+-2" in report.locator("body").inner_text()
+        if where := os.environ.get("ECHOCAL_SCREENSHOT_BESIDE"):
+            page.screenshot(path=where, full_page=True)
+        wide = "document.documentElement.scrollWidth > document.documentElement.clientWidth"
+        assert not page.evaluate(wide)
+        browser.close()

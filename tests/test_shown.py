@@ -72,6 +72,18 @@ def test_text_is_the_explanation(results: dict[str, object]) -> None:
     assert "240 of 240 rows usable" in str(results["Observations"])
 
 
+def test_a_verification_shows_its_guard_band_and_its_decision() -> None:
+    table = {"reading_m": [1.0025, 2.0], "distance_m": [1.0, 2.0], "temperature_C": [20.0, 20.0]}
+    plain = echocal.verify(table, maximum_permissible_error=3e-3)
+    assert "No uncertainty is stated" in str(plain)
+    assert "guard band" not in repr(plain)
+    found = echocal.verify(table, maximum_permissible_error=3e-3, uncertainties={"tape": "II"})
+    assert "Verification undecided: 0 of 2 errors exceed 3 mm" in repr(found)
+    assert "with a guard band of 0.81 mm, 1 are undecided; the least probability" in repr(found)
+    assert "within the bound less the guard band (JCGM 106:2012, 8.3)" in str(found)
+    assert found.to_dataframe().loc["guard band", "[mm]"] == pytest.approx(1e3 * found.guard_band)
+
+
 def test_tables_hold_the_numbers(results: dict[str, object], table: dict[str, np.ndarray]) -> None:
     causes = results["Diagnosis"].to_dataframe()  # type: ignore[attr-defined]
     assert causes["probability"].between(0, 1).all()

@@ -1,5 +1,6 @@
 """Several rangers in columns beside each other: one is chosen, or each is a table."""
 
+import shlex
 from pathlib import Path
 
 import numpy as np
@@ -89,3 +90,24 @@ def test_a_list_that_names_no_columns_is_refused(by: list[str], says: str) -> No
     with pytest.raises((echocal.UsageError, echocal.DataError)) as refused:
         echocal.diagnose_many(two(), by=by, columns=COLUMNS)
     assert says in str(refused.value)
+
+
+def test_what_one_command_diagnoses_the_printed_command_corrects(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    two().to_csv("robot.csv", index=False)
+    arguments = ["diagnose", "robot.csv", "--by", "left (cm),right (mm)", "--models", "models"]
+    for column, request in COLUMNS.items():
+        arguments += ["--column", f"{column}={request}"]
+    told = CliRunner().invoke(app, arguments).output
+    command = next(line for line in told.splitlines() if line.startswith("echocal correct"))
+    done = CliRunner().invoke(app, shlex.split(command)[1:])
+    assert done.exit_code == 0, done.output
+    for file in ("left_cm_", "right_mm_"):
+        table = pd.read_csv(next(Path("robot-corrected").glob(f"{file}*.csv")))
+        assert np.std(table["corrected_distance_m"] - table["distance_m"]) < 1.5e-3
+        assert abs(np.mean(table["corrected_distance_m"] - table["distance_m"])) < 1.5e-3
+    again = CliRunner().invoke(app, [*shlex.split(command)[1:-1], "robot.parquet"])
+    assert isinstance(again.exception, echocal.UsageError)
+    assert "give one table, and a folder" in str(again.exception)

@@ -1,13 +1,15 @@
 """Whether the stated uncertainty of a corrected distance is true: fresh rows within U of its budget.
 
 A table is drawn and diagnosed, its model is written and read again, and corrects other rows of the same
-device. Designs a, b and c are those of the benchmark; the others are as people run them.
+device. Designs a, b and c are those of the benchmark; the others are as people run them. With a step,
+readings are rounded to it, and the targets of the fresh rows stand anywhere between two steps.
 """
 
 import json
 import tempfile
 import warnings
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Annotated
 
@@ -102,14 +104,16 @@ def draw(design: str, count: int, seed: int) -> list[Spec]:
     return specs
 
 
-def ask(spec: Spec) -> Record:
+def ask(spec: Spec, step: float = 0.0) -> Record:
     """Diagnose a table, correct fresh rows by its model, and compare their errors with what is stated."""
     case = cases.build(spec)
+    if step:
+        case.table["reading_m"] = _rounded(case.table["reading_m"].to_numpy(), step)
     with warnings.catch_warnings(action="ignore"), tempfile.TemporaryDirectory() as folder:
         diagnosis = echocal.diagnose(case.table)
         diagnosis.model.save(Path(folder) / "model.json")
         model = echocal.Model.load(Path(folder) / "model.json")
-        table, truth = fresh(case)
+        table, truth = fresh(case, step)
         found = correct_table(table, model).table
         expanded = echocal.budget(model, table, trials=0).expanded_uncertainty
     error = found["corrected_distance_m"].to_numpy() - truth
@@ -128,15 +132,24 @@ def ask(spec: Spec) -> Record:
     }
 
 
-def fresh(case: Case) -> tuple[object, np.ndarray]:
-    """Other weather and noise, the same device and distances: its table, and the true distances."""
+def _rounded(values: np.ndarray, step: float) -> np.ndarray:
+    return np.round(values / step) * step if step else values
+
+
+def fresh(case: Case, step: float = 0.0) -> tuple[object, np.ndarray]:
+    """Other weather and noise, the same device and distances: its table, and the true distances.
+
+    With a step of the readings, each target stands up to half a step from where it stood before.
+    """
     spec = case.spec
     random = np.random.default_rng([spec.seed, 7])
     rows = case.rows if spec.design in "ab" else DESIGNS[spec.design](random)
     if spec.design != "c":
         rows = replace(rows, distance=case.rows.distance)
-    world = cases.planted(rows, case.sizes, spec.seed)
-    log = Log(world, world.reading() + disturbance.NOISES[spec.noise](rows, random), world.recorded.copy())
+    beside = step * random.uniform(-0.5, 0.5, rows.stand.max() + 1)[rows.stand]
+    world = cases.planted(replace(rows, distance=rows.distance + beside), case.sizes, spec.seed)
+    reading = _rounded(world.reading() + disturbance.NOISES[spec.noise](rows, random), step)
+    log = Log(world, reading, world.recorded.copy())
     shown = {name for name, column in COLUMNS.items() if column in case.table.columns}
     return log.table(shown, world.reference), world.reference
 
@@ -150,9 +163,10 @@ def summarize(found: list[Record]) -> Record:
 def _figures(own: list[Record]) -> Record:
     shares = {name: np.array([one[name] for one in own]) for name in WITHIN}
     figures: Record = {name: [float(s.mean()), float(s.std() / len(s) ** 0.5)] for name, s in shares.items()}
-    ratio = [one["rms_m"] / one["stated_m"] for one in own]
+    ratio = [one["rms_m"] / one["stated_m"] for one in own if one["stated_m"] > 0.0]
     lowest = float(np.quantile(shares["within_U"], 0.05))
-    return {**figures, "lowest": lowest, "rms_over_stated": float(np.median(ratio)), "count": len(own)}
+    typical = float(np.median(ratio)) if ratio else np.nan
+    return {**figures, "lowest": lowest, "rms_over_stated": typical, "count": len(own)}
 
 
 def main(
@@ -160,14 +174,17 @@ def main(
     where: Annotated[str, typer.Option(help="Designs, by comma.")] = ",".join(DESIGNS),
     seed: Annotated[int | None, typer.Option(help="Default: a fresh one.")] = None,
     processes: Annotated[int, typer.Option(help="Processes at once, one thread each.")] = 2,
+    step_mm: Annotated[float, typer.Option(help="Step that readings are rounded to.")] = 0.0,
     write: Annotated[bool, typer.Option("--write", help="Write coverage.json.")] = False,
     details: Annotated[Path | None, typer.Option(help="Write every answer here, as JSON.")] = None,
 ) -> None:
     """Draw, ask and report."""
     chosen = int(np.random.SeedSequence().generate_state(1)[0]) if seed is None else seed
     tasks = [spec for design in where.split(",") for spec in draw(design, count, chosen)]
-    found = run(tasks, ask, "drawn tables", processes)
+    found = run(tasks, partial(ask, step=1e-3 * step_mm), "drawn tables", processes)
     summary = {"seed": chosen, "designs": summarize(found)}
+    if write and step_mm:
+        raise typer.BadParameter("coverage.json is without a step; leave one of both out")
     heads = ("design", "tables", "within u", "within 2 u", "within U", "lowest 5 %", "RMS / u")
     table = Table(*heads, title=f"seed {chosen}")
     for name, row in summary["designs"].items():

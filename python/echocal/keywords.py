@@ -8,7 +8,7 @@ from numbers import Real
 from pathlib import PurePath
 from typing import Any
 
-__all__ = ["as_here", "command_line", "exact", "keyword", "naming"]
+__all__ = ["as_here", "by_caller", "command_line", "exact", "keyword", "naming"]
 
 _flags: Mapping[str, str] | None = None
 """Flag of each keyword of the command that runs; None where Python calls. One for all threads."""
@@ -39,6 +39,20 @@ def keyword(name: str, *value: Any) -> str:
             return " ".join(f"{flag} {_quoted(str(own))}" for own in listed)
     words = (text if shlex.quote(text) == text else _quoted(text) for text in map(_plain, value))
     return " ".join([flag, *words])
+
+
+def by_caller(python: str, command: str) -> str:
+    """The words for who calls: a function of Python, or the command that runs.
+
+    Examples
+    --------
+    >>> by_caller("pass x=...", "record it")
+    'pass x=...'
+    >>> with naming({}):
+    ...     print(by_caller("pass x=...", "record it"))
+    record it
+    """
+    return python if _flags is None else command
 
 
 def command_line(command: str, *words: object, **options: Any) -> str:

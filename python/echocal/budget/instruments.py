@@ -31,8 +31,8 @@ class Limits:
 
     Examples
     --------
-    >>> INSTRUMENTS["thermometer"]["DS18B20"].half_width([20.0, -20.0]).tolist()
-    [0.5, 2.0]
+    >>> INSTRUMENTS["thermometer"]["DS18B20"].half_width([20.0, -20.0, -40.0]).tolist()
+    [0.5, 1.0, 2.0]
     """
 
     name: str
@@ -60,10 +60,11 @@ def _hygrometer(name: str, half: float, resolution: float, source: str) -> Limit
 
 _SHT3 = "Sensirion, Datasheet SHT3x-DIS, tables 1 and 2: typical accuracy"
 _SHT4 = "Sensirion, Datasheet SHT4x, tables 1 and 2: typical accuracy"
-_BME = "Bosch, BME280 datasheet BST-BME280-DS001, table 3 and 4: absolute accuracy"
+_BME = "Bosch, BME280 datasheet BST-BME280-DS002, tables 2 to 4: absolute accuracy"
 _DHT = "Aosong, AM2302/DHT22 product manual: accuracy"
 _DHT11 = "Aosong, DHT11 product manual: accuracy"
-_DS = "Maxim, DS18B20 datasheet (19-7487): thermometer error"
+_DS = "Maxim, DS18B20 datasheet (19-7487, revision 6): thermometer error"
+_DS_RANGES = (-10.0, 85.0, 0.5), (-30.0, 100.0, 1.0), (-55.0, 125.0, 2.0)
 _LM35 = "Texas Instruments, LM35 (SNIS159): limits over the rated range"
 _TMP36 = "Analog Devices, TMP35/36/37, grade G: maximum over the rated range"
 
@@ -73,7 +74,9 @@ INSTRUMENTS: Mapping[str, Mapping[str, Limits]] = {
         for one in (
             _thermometer("DHT22", _DHT, 0.1, (-40.0, 80.0, 0.5)),
             _thermometer("DHT11", _DHT11, 1.0, (0.0, 50.0, 2.0)),
-            _thermometer("DS18B20", _DS, 0.0625, (-10.0, 85.0, 0.5), (-55.0, 125.0, 2.0)),
+            _thermometer(
+                "DS18B20", _DS, 0.0625, (-10.0, 85.0, 0.5), (-30.0, 100.0, 1.0), (-55.0, 125.0, 2.0)
+            ),
             _thermometer("LM35", _LM35, 0.0, (-55.0, 150.0, 1.5)),
             _thermometer("LM35A", _LM35, 0.0, (-55.0, 150.0, 1.0)),
             _thermometer("LM35D", _LM35, 0.0, (0.0, 100.0, 2.0)),

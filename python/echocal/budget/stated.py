@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from echocal.budget.instruments import INSTRUMENTS, TAPES
-from echocal.budget.sources import Source, of_instrument, of_law, of_step, of_tape
+from echocal.budget.sources import LAW, Source, of_instrument, of_law, of_step, of_tape
 from echocal.errors import UsageError, among
 from echocal.keywords import keyword
 from echocal.observations.units import NAMES
@@ -52,7 +52,7 @@ class Uncertainties:
         Raises
         ------
         UsageError
-            If a name or a number cannot be understood.
+            If a name or a number cannot be understood, or one uncertainty would count twice.
 
         Examples
         --------
@@ -77,6 +77,7 @@ class Uncertainties:
                 message = f"{keyword('uncertainties')} states {twice} twice; state it once"
                 raise UsageError(message)
             stated[quantity] = size
+        _refuse_twice(stated, instruments)
         return cls(stated, instruments)
 
     @classmethod
@@ -89,12 +90,18 @@ class Uncertainties:
     def with_conditions(cls, own: Any, conditions: Mapping[str, float]) -> "Uncertainties":
         """What is stated, and standard uncertainties [SI] of stated conditions where it says nothing else.
 
+        Raises
+        ------
+        UsageError
+            If a condition is stated, and an instrument as well that would have measured it.
+
         Examples
         --------
         >>> Uncertainties.with_conditions({"tape": "II"}, {"temperature": 1.0}).plain()
         {'temperature': 1.0, 'tape': 'II'}
         """
         found = own if isinstance(own, cls) else cls.of(own)
+        _refuse_twice(conditions, found.instruments)
         return cls({**conditions, **found.stated}, found.instruments)
 
     def plain(self) -> dict[str, float | str]:
@@ -122,6 +129,26 @@ class Uncertainties:
             elif name == _LAW:
                 found.append(of_law(float(value) * 1e-6))
         return found
+
+
+def _refuse_twice(stated: Mapping[str, float], instruments: Mapping[str, str]) -> None:
+    """Refuse a number and an instrument for the error of one quantity: both would count."""
+    told = {quantity: f"{quantity.replace('_', ' ')} as a number" for quantity in stated}
+    for name, value in instruments.items():
+        own, what = f"{name}={value}", _limited(name, value)
+        if what and told.setdefault(what, own) != own:
+            message = (
+                f"{keyword('uncertainties')} has the error of the {what.replace('_', ' ')} twice, by "
+                f"{told[what]} and by {own}, and both would count; leave one of them out"
+            )
+            raise UsageError(message)
+
+
+def _limited(name: str, value: str) -> str:
+    """The quantity whose whole error an instrument limits; empty where it is a part of the error alone."""
+    if name in INSTRUMENTS:
+        return INSTRUMENTS[name][value].quantity
+    return LAW if name in ("law", _LAW) else ""
 
 
 def _known(name: str, value: Any) -> str:

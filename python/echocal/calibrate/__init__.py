@@ -18,6 +18,7 @@ from echocal.model import Model, ResidualUncertainty
 from echocal.observations import Observations
 from echocal.observations.at import sentences, shifted, uncertain
 from echocal.observations.given import observed
+from echocal.observations.quantization_grid import find_grid
 
 __all__ = ["Calibration", "Estimate", "Form", "Parameter", "Prediction", "Regression", "calibrate"]
 
@@ -139,10 +140,18 @@ def calibrate(
     if isinstance(found.model, Model):
         free = max(int(used.sum()) - len(parameters), 1)
         left = residuals[used] * np.sqrt(used.sum() / free)
-        known = ResidualUncertainty.measured(left, columns["distance"], 0.0, "the rows of the calibration")
+        far, step = columns["distance"], _step(observations, columns["distance"])
+        known = ResidualUncertainty.measured(left, far, 0.0, "the rows of the calibration", step)
         own = found.model.with_residual_uncertainty(known)
         return replace(found, model=own.with_provenance({"calibration": found.to_dict()}))
     return found
+
+
+def _step(observations: Observations, distance: NDArray[np.float64]) -> float:
+    """Step of the readings, or of the echo times as a distance [m]; 0 where they have none."""
+    values = observations.echo_time if observations.reading is None else observations.reading
+    grid = find_grid(values[observations.usable])
+    return 0.0 if grid is None else grid.step * float(np.median(distance / values[observations.usable]))
 
 
 def _form(model: Model | Form, fit: Sequence[str] | None) -> Form:

@@ -12,6 +12,7 @@ from typer.core import TyperGroup
 from echocal._core import __version__
 from echocal._interrupt import unwind_when_told
 from echocal.cli._console import visible, write_what_can_be_written
+from echocal.cli._options import refuse_useless
 from echocal.cli._outputs import telling_what_is_written
 from echocal.errors import DataError, EchocalError
 from echocal.keywords import naming
@@ -61,6 +62,13 @@ class _Commands(TyperGroup):
             command = single
         loaded = typer.main.get_command(command)
         loaded.name = cmd_name
+        run = loaded.invoke
+
+        def checked(own: Any) -> Any:
+            refuse_useless(own)
+            return run(own)
+
+        loaded.invoke = checked  # type: ignore[method-assign]
         loaded.context_settings = {**loaded.context_settings, **_HELP}
         if ctx is not None and ctx.obj is not None:
             ctx.obj |= {one.name: one.opts[0] for one in loaded.params if one.opts[0].startswith("--")}

@@ -29,9 +29,11 @@ from echocal.diagnose import diagnose
 from echocal.diagnose.preprocess.plateaus import distances_of
 from echocal.diagnose.preprocess.reference import refuse_distance
 from echocal.errors import DataError, DomainWarning, UsageError, writing
-from echocal.keywords import command_line
+from echocal.keywords import command_line, keyword
 from echocal.observations.at import parsed
 from echocal.observations.inspection import Inspection, inspect_log
+from echocal.observations.mount import is_level
+from echocal.observations.plan import read_columns
 from echocal.outputs import replace_text
 from echocal.report import print_diagnosis
 
@@ -99,7 +101,7 @@ def command(
         raise UsageError(message)
     page, model, toml = (out / f"{name}-{what}" for what in ("report.html", "model.json", "options.toml"))
     check_outputs(
-        Output("--out", page, _made_by.report("diagnose")),
+        Output("--out", page, _made_by.report("diagnose", log)),
         Output("--out", model, _made_by.model("diagnose", source)),
         Output("--out", toml, written_by_us),
         Output("--json", json, _made_by.result("echocal.diagnosis")),
@@ -212,8 +214,10 @@ def _about_guesses(found: Inspection) -> _Question:
     told = [f"{column.name!r} as {column.proposal.request} ({column.proposal.reason})" for column in guesses]
     told += [f"{', '.join(codes)} in {name!r} as no value" for name, codes in found.missing.items()]
     pairs = " ".join(f'--column "{column.name}={column.proposal.request}"' for column in guesses)
+    level = any(is_level(column.name, column.proposal.request) for column in guesses)
+    height = f" {keyword('mount_height', 'METERS')}, the height of the sensor above the zero" if level else ""
     read = f"right to read {'; '.join(told)}"
-    return _Question(f"whether it is {read}", f"Is it {read}?", f"--yes, or {pairs}")
+    return _Question(f"whether it is {read}", f"Is it {read}?", f"--yes, or {pairs}{height}")
 
 
 def _confirm(found: Inspection, known: _Answers) -> None:
@@ -223,7 +227,7 @@ def _confirm(found: Inspection, known: _Answers) -> None:
 
 
 def _accept(found: Inspection, known: _Answers) -> None:
-    columns = {**found.requests, **known.reading.requests}
+    columns = {**found.requests, **read_columns(known.reading.columns)}
     known.reading = replace(known.reading, columns=columns, missing=found.missing)
 
 

@@ -5,11 +5,13 @@ import json
 import os
 import re
 from collections.abc import Callable, Mapping
+from html import escape
 from itertools import islice
 from pathlib import Path
 from typing import Any
 
-from echocal.checksums import CHECKSUMS, listed, unedited
+from echocal.checksums import CHECKSUMS, is_sealed, listed, unedited
+from echocal.cli._options import is_stdin
 from echocal.model import Model, document
 
 __all__ = ["Recognize", "causes", "firmware", "model", "page", "picture", "result"]
@@ -132,10 +134,17 @@ def page(command: str) -> Recognize:
     return _tried(lambda file: file.read_bytes().startswith(start))
 
 
-def report(command: str) -> Recognize:
-    """A page of HTML that names the command as its maker."""
-    maker = f'<meta name="generator" content="echocal {command} '.encode()
-    return _tried(lambda file: maker in file.read_bytes()[:2000])
+def report(command: str, source: Path | None = None) -> Recognize:
+    """A page of HTML that the command made, of this table, and that was not edited since."""
+    maker = f'<meta name="generator" content="echocal {command} '
+    named = "" if source is None or is_stdin(source) else escape(source.name)
+
+    def recognize(file: Path) -> bool:
+        page = file.read_text(encoding="utf-8")
+        title = page.partition("<title>")[2].partition("</title>")[0]
+        return maker in page[:2000] and is_sealed(page) and title.endswith(named)
+
+    return _tried(recognize)
 
 
 def firmware(folder: Path) -> Recognize:

@@ -11,7 +11,7 @@ from echocal.cli._tables import Given
 from echocal.errors import UsageError
 from echocal.model import Model
 from echocal.model.indicated_speed import speed_of
-from echocal.observations.mount import mounted_as
+from echocal.observations.given import mounted_options
 
 __all__ = ["Effects", "Uncertain", "end", "model_of", "read_for"]
 
@@ -52,9 +52,7 @@ def model_of(law: str | None, path: Path | None, effects: Sequence[str] | None) 
 def read_for(model: Model, reading: Given) -> Given:
     """Options of a table that a model corrects: its speed and its height of the sensor, if none is stated."""
     speed = speed_of(model, reading.reading_speed)
-    return replace(
-        reading, reading_speed=speed, columns=mounted_as(reading.requests, model), mount_height=None
-    )
+    return replace(reading, reading_speed=speed, **mounted_options(reading, model))
 
 
 def end(decision: str) -> None:

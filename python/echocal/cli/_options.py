@@ -15,8 +15,8 @@ import typer
 from echocal.errors import UsageError
 from echocal.keywords import command_line
 
-__all__ = ["KNOWN", "Options", "added", "file_in_use", "from_stdin", "options_text", "toml_value"]
-__all__ += ["written_by_us"]
+__all__ = ["KNOWN", "Options", "added", "file_in_use", "from_stdin", "is_stdin", "options_text"]
+__all__ += ["refuse_useless", "stated", "toml_value", "written_by_us"]
 
 _FIRST = "# how to read"
 
@@ -29,6 +29,9 @@ KNOWN = {
 
 _PAIRS = ("column", "missing", "at")
 _KEY = "echocal.options"
+_STDIN = "stdin-"  # how the name of a file begins that holds what stdin had
+_BY_USER = ("COMMANDLINE", "DEFAULT_MAP", "ENVIRONMENT")
+_stated: ContextVar[frozenset[str]] = ContextVar("options that the user gives", default=frozenset())
 _file: ContextVar[Path | None] = ContextVar("file of options", default=None)
 
 
@@ -55,6 +58,35 @@ Options: TypeAlias = Annotated[
 ]
 
 
+_NEEDS = {"reference_join": "reference", "plot_format": "plots"}
+"""Options that do nothing without another one."""
+
+
+def stated(name: str) -> bool:
+    """Whether the user gives an option of the running command: as a flag, or in the file of options."""
+    return name in _stated.get()
+
+
+def refuse_useless(context: typer.Context) -> None:
+    """Take note of the options that the user gives; refuse those without the one that they belong to.
+
+    Raises
+    ------
+    UsageError
+        With both.
+    """
+    flags = {own.name or "": own.opts[0] for own in context.command.params}
+    sources = {name: context.get_parameter_source(name) for name in flags}
+    _stated.set(frozenset(n for n, own in sources.items() if own is not None and own.name in _BY_USER))
+    for name, other in _NEEDS.items():
+        if name in flags and other in flags and stated(name) and context.params.get(other) is None:
+            message = (
+                f"{flags[name]} {context.params[name]} does nothing without {flags[other]}: give it, too, or "
+                f"leave {flags[name]} out"
+            )
+            raise UsageError(message)
+
+
 def file_in_use() -> Path | None:
     """The file of options that the running command reads."""
     return _file.get()
@@ -76,13 +108,18 @@ def from_stdin(data: Path) -> Path:
     """The file itself; for ``-`` a file with what stdin has, until the program ends."""
     if str(data) != "-":
         return data
-    held = tempfile.NamedTemporaryFile(prefix="stdin-", delete=False)  # noqa: SIM115
+    held = tempfile.NamedTemporaryFile(prefix=_STDIN, delete=False)  # noqa: SIM115
     with held as file:
         while part := sys.stdin.buffer.read(1 << 20):
             file.write(part)
     path = Path(held.name)
     atexit.register(path.unlink, missing_ok=True)
     return path
+
+
+def is_stdin(path: Path) -> bool:
+    """Whether it is the file that `from_stdin` made."""
+    return path.name.startswith(_STDIN)
 
 
 def options_text(log: Path, out: Path, given: Mapping[str, Any]) -> str:

@@ -16,6 +16,7 @@ from echocal.correct.batch import in_bytes
 from echocal.correct.inputs import find_inputs
 from echocal.diagnose.pooling.engine import diagnose_many
 from echocal.errors import DataError, DomainWarning, UsageError, writing
+from echocal.keywords import command_line
 from echocal.model.folder import INDEX, index_text, named
 from echocal.outputs import replace_text
 
@@ -34,6 +35,7 @@ _SHARED = "shared.json"
 _INSTEAD = {
     "--with-shape": "an unexplained term belongs to its table: diagnose {one} alone",
     "--with-smooth": "a smooth correction belongs to its table: diagnose {one} alone",
+    "--details": "diagnose one table alone for its evidence",
 }
 _OF_A_FLEET = {
     **{option: text.format(one="this sensor") for option, text in _INSTEAD.items()},
@@ -206,6 +208,7 @@ def diagnose_tables(
     reading: Mapping[str, Any],
     outputs: Outputs,
     *,
+    words: Mapping[str, Any],
     force: bool,
     quiet: bool,
 ) -> None:
@@ -265,6 +268,10 @@ def diagnose_tables(
     write_json(pooled.to_dict(), outputs.json)
     if not quiet and outputs.json != "-":
         print_pooled(pooled, Console())
+        if by is not None and outputs.models is not None and pooled.models:
+            out = tables[0].with_name(f"{tables[0].stem}-corrected{'' if ',' in by else '.csv'}")
+            words = {**words, "by": by, "models": outputs.models, "out": out}
+            Console(soft_wrap=True).print(command_line("correct", tables[0], **words), markup=False)
 
 
 def tables_bar(quiet: bool) -> Progress:

@@ -59,7 +59,7 @@ def command(
     check_outputs(
         Output("--out", out, _made_by.model("calibrate", data)),
         Output("--json", json, _made_by.result("echocal.calibration")),
-        Output("--report", report, _made_by.report("calibrate")),
+        Output("--report", report, _made_by.report("calibrate", data)),
         inputs=[data, model, *reading.files],
         force=force,
     )

@@ -26,6 +26,7 @@ from echocal.cli._tables import (
 from echocal.correct import Summary, correct_files
 from echocal.correct.inputs import Inputs, find_inputs, refuse_ending
 from echocal.correct.manifest import FOLDER
+from echocal.correct.side_by_side import correct_rangers, ranger_file, rangers_of
 from echocal.errors import DataError, UsageError
 from echocal.model import Model
 from echocal.objects import Object
@@ -97,15 +98,16 @@ def command(
     data = str(from_stdin(Path(data))) if data == "-" else data
     inputs = find_inputs(data)
     place = place_of(out)
-    if inputs.single:
+    rangers = rangers_of(by, models)
+    if inputs.single and not rangers:
         refuse_ending(place)
     if isinstance(place, Object) and not force:
         _refuse_replacing(inputs, place)
     check_outputs(
         Output("--json", json, _made_by.result("echocal.correct")),
-        *_made(inputs, place),
+        *(_made_for(rangers, data, place) if rangers else _made(inputs, place)),
         inputs=[*(s.path for s in inputs.files if isinstance(s.path, Path)), model, *reading.files],
-        folder=None if inputs.single or isinstance(place, Object) else place,
+        folder=None if (inputs.single and not rangers) or isinstance(place, Object) else place,
         force=force,
         told=True,
     )
@@ -117,27 +119,31 @@ def command(
             raise UsageError("--transferable is for one model, not for --models")
         correction = correction.transferable()
     with rows_bar(quiet) as progress:
-        summary = correct_files(
-            data,
-            out,
-            correction,
-            models=models,
-            by=by,
-            uncertainties=uncertainties or (),
-            logs=logs,
-            append_only=None if append_only is None else [n.strip() for n in append_only.split(",") if n],
-            round_mm=round_mm,
-            memory=memory,
-            processes=processes,
-            engine=engine,
-            spreadsheet_safe=spreadsheet_safe,
-            force=force,
-            progress=progress,
-            mark_rows=mark_rows,
+        how: dict[str, Any] = {
+            "uncertainties": uncertainties or (),
+            "logs": logs,
+            "append_only": None if append_only is None else [n.strip() for n in append_only.split(",") if n],
+            "round_mm": round_mm,
+            "memory": memory,
+            "processes": processes,
+            "engine": engine,
+            "spreadsheet_safe": spreadsheet_safe,
+            "force": force,
+            "progress": progress,
+            "mark_rows": mark_rows,
             **reading.given(),
-        )
+        }
+        if rangers:
+            columns = how.pop("columns", {})
+            done = correct_rangers(correct_files, data, Path(out), rangers, columns, **how)
+            summary = Summary({name: next(iter(own.results.values())) for name, own in done.items()})
+        else:
+            summary = correct_files(data, out, correction, models=models, by=by, **how)
     notes([*inputs.left_out(), *sentences(summary.results.values()), *_of_model(correction)], quiet)
-    files = {str(place if inputs.single else place / name): it for name, it in summary.results.items()}
+    files = {
+        str(place if inputs.single and not rangers else place / name): it
+        for name, it in summary.results.items()
+    }
     write_json(
         {"schema": "echocal.correct/1", "files": {path: _rows(it) for path, it in files.items()}}, json
     )
@@ -159,6 +165,12 @@ def _made(inputs: Inputs, out: Place) -> list[Output]:
         return []
     names = [source.place.as_posix() for source in inputs.files]
     return made_in(out, "--out", names, _made_by.table("correct"))
+
+
+def _made_for(rangers: Mapping[str, Model], data: str, out: Place) -> list[Output]:
+    """The tables of rangers beside each other."""
+    names = [ranger_file(name, data) for name in rangers]
+    return [] if isinstance(out, Object) else made_in(out, "--out", names, _made_by.table("correct"))
 
 
 def _refuse_replacing(inputs: Inputs, out: Object) -> None:

@@ -10,6 +10,7 @@ from echocal.cli import _made_by, _several
 from echocal.cli._brief import follow_up, print_brief, without_evidence
 from echocal.cli._complete import bases
 from echocal.cli._console import Console
+from echocal.cli._options import stated
 from echocal.cli._outputs import (
     Force,
     Output,
@@ -184,16 +185,7 @@ def command(
     model = _renamed(save_model, model, quiet)
     tables, ranges = _several.told_apart(more)
     is_fleet = _several.is_fleet([data, *tables], output)
-    _refuse_fleet_options(
-        is_fleet,
-        {
-            "--results": results,
-            "--kind": kind,
-            "--workers": workers,
-            "--engine": engine,
-            "--spreadsheet-safe": spreadsheet_safe or None,
-        },
-    )
+    _refuse_fleet_options(is_fleet)
     if is_fleet or tables or by is not None:
         alone = {
             "--save-model": model,
@@ -203,6 +195,7 @@ def command(
             "--can-vary": can_vary or ranges,
             "--placements": placements is not None,
             "--matters-mm": matters_mm is not None,
+            "--details": details,
         }
         used = [*_file(base), *reading.files]
         request = {
@@ -234,6 +227,7 @@ def command(
             {**request, "base": base_of(base)},
             reading.given(),
             _several.Outputs(models, plots, json, plot_format, report),
+            words=reading_words(reading),
             force=force,
             quiet=quiet,
         )
@@ -243,7 +237,7 @@ def command(
         Output("--save-model", model, _made_by.model("diagnose", data)),
         Output("--json", json, _made_by.result("echocal.diagnosis")),
         Output("--rows", rows, _made_by.table("diagnose")),
-        Output("--report", report, _made_by.report("diagnose")),
+        Output("--report", report, _made_by.report("diagnose", data)),
         *_pictures(plots, plot_format),
         inputs=[data, *_file(base), *reading.files],
         folder=plots,
@@ -324,10 +318,13 @@ def base_of(base: str) -> str | Model:
     return Model.load(base) if _file(base) else base
 
 
-def _refuse_fleet_options(is_fleet: bool, given: dict[str, object]) -> None:
-    option = next((option for option, value in given.items() if value is not None), None)
-    if option is not None and not is_fleet:
-        message = f"{option} is for a fleet: give -o FILE, or a folder of logs"
+_OF_A_FLEET = ("results", "kind", "memory", "workers", "engine", "spreadsheet_safe")
+
+
+def _refuse_fleet_options(is_fleet: bool) -> None:
+    given = (name for name in _OF_A_FLEET if stated(name))
+    if not is_fleet and (name := next(given, None)) is not None:
+        message = f"--{name.replace('_', '-')} is for a fleet: give -o FILE, or a folder of logs"
         raise UsageError(message)
 
 

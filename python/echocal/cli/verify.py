@@ -60,7 +60,7 @@ def command(
     subject = from_stdin(subject)
     check_outputs(
         Output("--json", json, _made_by.result("echocal.verification")),
-        Output("--report", report, _made_by.report("verify")),
+        Output("--report", report, _made_by.report("verify", subject)),
         inputs=[subject, model, *reading.files],
         force=force,
     )

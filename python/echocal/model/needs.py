@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from echocal import _core
 from echocal.domain import warn_outside
 from echocal.errors import AbsentError, DataError, ModelError
-from echocal.keywords import keyword
+from echocal.keywords import by_caller, keyword
 from echocal.quantities import AIR, DEFAULTS, FROM_THERMOMETERS, QUANTITIES
 from echocal.registry import find_effect
 
@@ -37,17 +37,19 @@ class Needs:
             if name not in conditions and not (times and name in self.arithmetic):
                 source = QUANTITIES[name].derived_from
                 if name in FROM_THERMOMETERS:
-                    message = (
-                        f"{who} needs {name} [degC], which is not given; say which of a table's further "
-                        f"thermometers it is, Model(columns={{'{name}': 'temperature_box_C'}}), or pass "
-                        f"{name}=..."
+                    way = by_caller(
+                        f"say which of a table's further thermometers it is, Model(columns={{'{name}': "
+                        f"'temperature_box_C'}}), or pass {name}=...",
+                        "the file of a model says under columns which further thermometer it is",
                     )
+                    message = f"{who} needs {name} [degC], which is not given; {way}"
                     raise DataError(message)
                 record = f"record {source} (read_observations derives it)" if source else "record it"
-                message = (
-                    f"{who} needs {name} [{QUANTITIES[name].unit}], which is not given; {record}, "
-                    f"pass {name}=..., or assume a value with Model(air={{'{name}': ...}})"
-                    f"{_of_a_table() if name == 'temperature' else ''}"
+                message = f"{who} needs {name} [{QUANTITIES[name].unit}], which is not given; "
+                message += by_caller(
+                    f"{record}, pass {name}=..., or assume a value with Model(air={{'{name}': ...}})"
+                    f"{_of_a_table() if name == 'temperature' else ''}",
+                    _for_a_command(name, source),
                 )
                 raise AbsentError(message, name)
         for name, who in self.excluded.items():
@@ -128,6 +130,17 @@ def _of(law: str, reads: tuple[str, ...], effects: tuple[str, ...]) -> Needs:
             laws.setdefault(effect.calls, id_)
     before = {name for effect in acting if effect.stage != "firmware" for name in effect.reads}
     return Needs(required, excluded, frozenset(required) - before - {*reads}, laws)
+
+
+def _for_a_command(name: str, source: str | None) -> str:
+    """How the user of a command gives a quantity."""
+    if source:
+        return f"it is derived from {source}: record that"
+    column = QUANTITIES[name].forms[0].names[0]
+    return (
+        f"map a column, {keyword('columns', {'NAME': column})}, or state it for the whole table, "
+        f"{keyword('at', {column: '20+-2' if name == 'temperature' else 'VALUE'})}"
+    )
 
 
 def _of_a_table() -> str:

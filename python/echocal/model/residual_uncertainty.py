@@ -1,5 +1,6 @@
 """What a corrected distance is uncertain by besides the parameters of its model: measured on rows."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -13,6 +14,7 @@ __all__ = ["ResidualUncertainty"]
 Column = NDArray[np.float64]
 
 _CLASSES = 50  # of the distance, in which squares are summed: a variance that is linear in d^2 needs no more
+_FINEST = 1e-6**2  # m^2, least variance that a rounding is compared with; far below that of any sensor
 
 
 @dataclass(frozen=True)
@@ -62,12 +64,19 @@ class ResidualUncertainty:
 
     @classmethod
     def measured(
-        cls, error: Column, distance: Column, known: Column | float, scheme: str
+        cls,
+        error: Column,
+        distance: Column,
+        known: Column | float,
+        scheme: str,
+        step: float = 0.0,
     ) -> "ResidualUncertainty | None":
         """From errors of corrected distances whose variance is known in part.
 
         The two parts have the largest likelihood of normal errors of the variance that this class and
-        the known part add up to.
+        the known part add up to. Where readings are in whole steps, this is the likelihood of the steps
+        that they are in. The error of rounding is then added (GUM F.2.2.1): the rows show all of it only
+        where their distances and their noise spread over a step.
 
         Parameters
         ----------
@@ -79,6 +88,8 @@ class ResidualUncertainty:
             Variance from the parameters [m^2].
         scheme : str
             How the rows were chosen.
+        step : float
+            Step of the distances from one reading to the next [m]; 0 for none.
 
         Returns
         -------
@@ -92,29 +103,18 @@ class ResidualUncertainty:
         >>> found = ResidualUncertainty.measured(error, distance, 0.0, "")
         >>> round(1e3 * found.constant, 1), round(1e3 * found.proportional, 1)
         (1.0, 0.5)
+        >>> exact = ResidualUncertainty.measured(np.zeros(500), distance[:500], 0.0, "", step=0.01)
+        >>> round(1e3 * exact.constant, 2)
+        2.89
         """
         rows = np.isfinite(error) & np.isfinite(distance)
         if not rows.any():
             return None
         error, distance = error[rows], distance[rows]
         known = np.broadcast_to(known, rows.shape)[rows]
-        limits = np.quantile(distance, np.linspace(0.0, 1.0, _CLASSES + 1)[1:-1])
-        classes = np.searchsorted(limits, distance)
-        count = np.bincount(classes).astype(np.float64)
-        present = count > 0
-        count = count[present]
-        mean, square, given = (
-            np.bincount(classes, values)[present] / count for values in (error**2, distance**2, known)
-        )
-        constant, proportional = _parts(count, mean, square, given)
-        return cls(
-            float(constant**0.5),
-            float(proportional**0.5),
-            len(error),
-            float(distance.min()),
-            float(distance.max()),
-            scheme,
-        )
+        variances = _of_steps(error, distance, known, step) if step else _of_values(error, distance, known)
+        constant, proportional = (float(v**0.5) for v in variances)
+        return cls(constant, proportional, len(error), float(distance.min()), float(distance.max()), scheme)
 
     def of(self, distance: ArrayLike) -> Column:
         """Standard uncertainty [m] at distances [m]."""
@@ -133,24 +133,67 @@ class ResidualUncertainty:
         }
 
 
+def _of_values(error: Column, distance: Column, known: Column) -> tuple[float, float]:
+    """Variances of both parts, of errors that are not rounded."""
+    limits = np.quantile(distance, np.linspace(0.0, 1.0, _CLASSES + 1)[1:-1])
+    classes = np.searchsorted(limits, distance)
+    count = np.bincount(classes).astype(np.float64)
+    present = count > 0
+    count = count[present]
+    mean, square, given = (
+        np.bincount(classes, values)[present] / count for values in (error**2, distance**2, known)
+    )
+    return _parts(count, mean, square, given)
+
+
+def _of_steps(error: Column, distance: Column, known: Column, step: float) -> tuple[float, float]:
+    """Variances of both parts, of errors in steps: rounding is part of the constant one."""
+    from scipy.special import log_ndtr  # takes long to import
+
+    half, size, square = 0.5 * step, np.abs(error), distance**2
+
+    def cost(variance: Column) -> tuple[float, Column]:
+        scale = np.sqrt(variance)
+        near, far = (size - half) / scale, (size + half) / scale
+        inside, outside = log_ndtr(-near), log_ndtr(-far)
+        log = inside + np.log1p(-np.exp(outside - inside))
+        below, above = (np.exp(-0.5 * (z**2 + np.log(2.0 * np.pi)) - log) * z for z in (near, far))
+        return -float(log.mean()), -(below - above) / (2.0 * variance * len(size))
+
+    whole = float(np.mean(error**2)) + step**2 / 12.0
+    constant, proportional = _largest(cost, known + _FINEST, square, whole, float(square.mean()))
+    return constant + step**2 / 12.0, proportional
+
+
 def _parts(count: Column, mean: Column, square: Column, known: Column) -> tuple[float, float]:
     """Variance [m^2] of the constant part, and that of the other part over the squared distance."""
-    from scipy.optimize import minimize  # takes long to import
-
     whole, far = float(np.average(mean, weights=count)), float(np.average(square, weights=count))
     if whole == 0.0 or far == 0.0:
         return whole, 0.0
-    columns = np.stack([np.full(len(mean), whole), whole * square / far])
     weight = count / count.sum()
 
-    def cost(parts: Column) -> tuple[float, Column]:
-        variance = known + parts @ columns + 1e-12 * whole
+    def cost(variance: Column) -> tuple[float, Column]:
         slope = weight * (1.0 - mean / variance) / variance
-        return float(weight @ (np.log(variance / whole) + mean / variance)), columns @ slope
+        return float(weight @ (np.log(variance / whole) + mean / variance)), slope
+
+    return _largest(cost, known + 1e-12 * whole, square, whole, far)
+
+
+def _largest(
+    cost: Callable[[Column], tuple[float, Column]], known: Column, square: Column, whole: float, far: float
+) -> tuple[float, float]:
+    """Variances of both parts that make the cost of all variances, and its slopes, the least."""
+    from scipy.optimize import minimize  # takes long to import
+
+    columns = np.stack([np.full(len(square), whole), whole * square / far])
+
+    def of(parts: Column) -> tuple[float, Column]:
+        value, slopes = cost(known + parts @ columns)
+        return value, columns @ slopes
 
     if np.ptp(square) <= 1e-6 * far:  # one distance tells the two parts not apart
         columns = columns[:1]
     start = np.full(len(columns), 1.0 / len(columns))
-    found = minimize(cost, start, jac=True, method="L-BFGS-B", bounds=[(0.0, None)] * len(columns)).x
+    found = minimize(of, start, jac=True, method="L-BFGS-B", bounds=[(0.0, None)] * len(columns)).x
     constant, proportional = (*found, 0.0)[:2]
     return float(constant) * whole, float(proportional) * whole / far

@@ -17,7 +17,7 @@ from echocal.observations.alike import line_between
 from echocal.observations.derived import derived
 from echocal.observations.echoes import FirmwareSpeed, disagreeing
 from echocal.observations.fields import row, rows, shown
-from echocal.observations.level import refuse_level
+from echocal.observations.level import BESIDE, refuse_level, refuse_unit
 from echocal.observations.mount import mount_height, refuse_unmounted
 from echocal.observations.numbers import Missing, to_numbers
 from echocal.observations.part import Part
@@ -85,8 +85,20 @@ class Assembly:
             mount_height=mount_height(self.plan),
         )
 
+    def _refuse_unit_of_level(self, values: Mapping[str, Column], echo_time: Column) -> None:
+        """Refuse a level, of a given height, in another unit than the distance beside it."""
+        held = self.plan.assignments
+        for name, names in BESIDE.items():
+            own, other = held.get(name), next((held[one] for one in names if one in held), None)
+            if own is None or other is None or not own.form.level or self.part is not None:
+                continue
+            if own.column not in self.trusted:
+                beside = values.get(other.form.quantity, echo_time)
+                refuse_unit(values[name], beside, self.reason == 0, own, other)
+
     def _refuse_level(self, values: Mapping[str, Column], echo_time: Column) -> None:
         """Refuse a level in place of the reference distance, which only a whole table shows."""
+        self._refuse_unit_of_level(values, echo_time)
         source = self.plan.assignments.get("reference_distance")
         if source is None or source.form.level or self.part is not None or source.column in self.trusted:
             return  # no fault of a column explains a level: it is refused where all others are trusted

@@ -80,8 +80,9 @@ class FirmwareSpeed:
         Raises `DataError` if the speed is none that a usable row can have been made with.
         """
         used = {name: np.where(usable, values, np.nan) for name, values in self._conditions.items()}
-        echo_time = self._model.time_of_flight(reading, **(used or self._given()))
-        if used and not usable.all():  # unusable rows have been reported
+        told = reading if usable.all() else np.where(usable, reading, np.nan)
+        echo_time = self._model.time_of_flight(told, **(used or self._given()))
+        if not usable.all():  # unusable rows have been reported
             with warnings.catch_warnings(action="ignore", category=DomainWarning):
                 echo_time = self._model.time_of_flight(reading, **self._given())
         wrong = np.flatnonzero(usable & ~((echo_time > 0.0) & (echo_time < np.inf)))

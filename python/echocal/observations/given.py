@@ -8,12 +8,12 @@ from typing import Any
 
 from echocal.errors import UsageError
 from echocal.model import Model
-from echocal.observations.mount import mounted_as
+from echocal.observations.mount import is_level, mounted_as
 from echocal.observations.options import ReadOptions
 from echocal.observations.reading import read_observations
 from echocal.observations.table import Observations
 
-__all__ = ["READ_OPTIONS", "observed", "refuse_keywords"]
+__all__ = ["READ_OPTIONS", "mounted_options", "observed", "refuse_keywords"]
 
 READ_OPTIONS = tuple(one.name for one in fields(ReadOptions) if one.init)
 """Keywords of `echocal.read_observations`."""
@@ -52,9 +52,15 @@ def observed(
         return given
     default: dict[str, Any] = {"reading_speed": speed} if speed else {}
     if model is not None and how.get("columns"):
-        default["columns"] = mounted_as(ReadOptions(**how).requests, model)
-        how = {name: value for name, value in how.items() if name not in ("columns", "mount_height")}
+        how = {**how, **mounted_options(ReadOptions(**how), model)}
     return read_observations(given, **{**default, **how})
+
+
+def mounted_options(options: ReadOptions, model: Model) -> dict[str, Any]:
+    """`columns` and `mount_height`, with the height of the model's diagnosis where the user states none."""
+    requests = mounted_as(options.requests, model)
+    levels = any(is_level(name, own) for name, own in requests.items())
+    return {"columns": requests, "mount_height": None if levels else options.mount_height}
 
 
 def refuse_keywords(caller: Callable[..., Any], given: Iterable[str], also: Iterable[str] = ()) -> None:

@@ -7,7 +7,7 @@ from itertools import pairwise
 from echocal.errors import DataError
 from echocal.keywords import keyword
 from echocal.observations.found import Found
-from echocal.observations.names import IGNORE, by_name, by_request
+from echocal.observations.names import IGNORE, by_name, by_request, is_level_name
 from echocal.observations.units import NAMES, split_unit, symbol_of
 from echocal.observations.vocabulary import (
     CLOCK_UNITS,
@@ -61,6 +61,8 @@ def hint(column: str, unit: str = "") -> Hint | None:
     >>> hint("Quality number"), hint("quality_flag"), hint("Air quality")
     (Hint(name='echo_quality', sure=True), None, None)
     """
+    if is_level_name(column):
+        return None
     if column.strip().lower() in TIMES or column.strip().lower().startswith(("date time,", "date-time")):
         return Hint("time")
     if column.strip().lower() in COUNTERS:
@@ -250,7 +252,7 @@ def role_of(column: str) -> str:
     ('echo', 'echo_quality', '')
     """
     words, _ = split_unit(STATISTIC.sub("", column))
-    tokens = _tokens(words)
+    tokens = set() if is_level_name(column) else _tokens(words)
     if tokens & {"time", "zeit"} and tokens & ELAPSED:
         return "echo"
     if tokens & NEVER:

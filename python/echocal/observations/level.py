@@ -16,13 +16,19 @@ from echocal.observations.plan import Assignment, make
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["fitted", "refuse_level"]
+__all__ = ["BESIDE", "fitted", "refuse_level", "refuse_unit"]
 
 Column = NDArray[np.float64]
+
+BESIDE = {"reading": ("reference_distance", "echo_time"), "reference_distance": ("reading", "echo_time")}
+"""Quantities that tell the distance beside a level, the first of them first."""
 
 _LEAST = 0.02  # m that a level changes at least: more than the steps of readings in whole centimeters
 _RATIO = 1 / 3
 """Spread of sum over spread of difference: 1 without any relation, 1/3 at a correlation of -0.8."""
+_FACTOR = (
+    8.0  # between inches and centimeters there is a factor of 2.5, between other units of a log 10 and more
+)
 _SPEED = 343.0  # m/s: the height in the message is a rough one
 
 
@@ -52,7 +58,7 @@ def fitted(
             source.unit.to_si(to_numbers(table[source.column], source.column, missing, []))
             for source in (own, other)
         )
-        far = 0.5 * _SPEED * far if other.form.quantity == "echo_time" else far
+        far = _length(far, other)
         known = np.isfinite(level) & np.isfinite(far) & (far > 0.0)
         if known.sum() < LEAST:
             raise UsageError(without_height(own))
@@ -63,6 +69,7 @@ def fitted(
                 f"rises; say what it is: {keyword('columns', {column: f'distance_{own.unit_name}'})}"
             )
             raise DataError(message)
+        refuse_unit(level, far, np.ones(len(level), dtype=bool), own, other)
         height = round(float(np.median(level + far)), 3)
         found[column] = f"{requests[column]}{BELOW}{height!r} m"
         said.append(
@@ -73,10 +80,52 @@ def fitted(
     return found, said
 
 
+def _length(values: Column, of: Assignment) -> Column:
+    return 0.5 * _SPEED * values if of.form.quantity == "echo_time" else values
+
+
+def refuse_unit(
+    level: Column, beside: Column, usable: NDArray[np.bool_], own: Assignment, other: Assignment
+) -> None:
+    """Refuse a level that changes by another power of ten than the distance beside it.
+
+    Parameters
+    ----------
+    level, beside : ndarray, shape (n,)
+        The level, or the distance that it stands for [m]; the distance beside it [m], or echo times [s].
+    usable : ndarray of bool, shape (n,)
+    own, other : Assignment
+        Their columns.
+
+    Raises
+    ------
+    DataError
+        With what both change by, and the unit in which they agree.
+    """
+    known = usable & np.isfinite(level) & np.isfinite(beside)
+    if known.sum() < LEAST:
+        return
+    rise, fall = _spread(level[known]), _spread(_length(beside[known], other))
+    if max(rise, fall) < _LEAST or _FACTOR * min(rise, fall) > max(rise, fall) or not min(rise, fall):
+        return
+    form = own.form
+    scale = {name: abs(one.numerator) / one.denominator for name, one in form.units.items()}
+    wanted = scale[own.unit_name] * fall / rise
+    near = min(scale, key=lambda name: abs(np.log(scale[name] / wanted)))
+    way = f"say its unit: {keyword('columns', {own.column: f'{form.role}_{near}'})}"
+    if near == own.unit_name:
+        way = f"multiply it by {10.0 ** np.round(np.log10(fall / rise)):g}, or say its unit"
+    message = (
+        f"column '{own.column}' changes by {rise:.3g} m, taken as {own.name}, and '{other.column}' by "
+        f"{fall:.3g} m: a factor of {max(rise / fall, fall / rise):.0f}. A level changes by as much as the "
+        f"distance; {way}"
+    )
+    raise DataError(message)
+
+
 def _other(held: Mapping[str, Assignment], level: Assignment) -> Assignment | None:
     """The column that tells a distance beside a level."""
-    names = {"reading": ("reference_distance", "echo_time"), "reference_distance": ("reading", "echo_time")}
-    others = (held.get(name) for name in names[level.form.quantity])
+    others = (held.get(name) for name in BESIDE[level.form.quantity])
     return next((other for other in others if other is not None and not other.form.level), None)
 
 

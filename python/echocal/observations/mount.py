@@ -1,15 +1,22 @@
 """The height of a sensor above the zero of a level: distance = mount height - level."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 
 from echocal.errors import UsageError
 from echocal.keywords import keyword
 from echocal.model import Model
-from echocal.observations.names import BELOW, EXTRA, IGNORE, by_request
+from echocal.observations.names import BELOW, EXTRA, IGNORE, by_request, is_level_name
 from echocal.observations.plan import Assignment, Plan
 
 __all__ = ["HEIGHT_FITTED", "LEAST", "MOUNT_HEIGHT", "holds_level", "is_level", "kept_height", "level_zero"]
-__all__ += ["mount_height", "mounted", "mounted_as", "refuse_unmounted", "without_height"]
+__all__ += [
+    "mount_height",
+    "mounted",
+    "mounted_as",
+    "refuse_unmounted",
+    "with_named_levels",
+    "without_height",
+]
 
 MOUNT_HEIGHT, HEIGHT_FITTED = "mount_height_m", "mount_height_fitted"
 """What a model keeps of the levels of its diagnosis."""
@@ -23,7 +30,7 @@ def mounted(requests: Mapping[str, str], height: float | None) -> dict[str, str]
     Raises
     ------
     UsageError
-        If a height is given and is none, or no column is a level.
+        If a height is given and is none, or every level has another one.
 
     Examples
     --------
@@ -40,13 +47,48 @@ def mounted(requests: Mapping[str, str], height: float | None) -> dict[str, str]
         raise UsageError(message)
     levels = [name for name, own in requests.items() if is_level(name, own)]
     if not levels:
+        return dict(requests)
+    own = {name: requests[name].partition(BELOW)[2] for name in levels}
+    if not any(above in ("", f"{height!r} m") for above in own.values()):
+        name, above = next(iter(own.items()))
+        message = (
+            f"{keyword('mount_height', height)} is for no level: '{name}' has a height of its own, {above}; "
+            f"leave one of them out"
+        )
+        raise UsageError(message)
+    return {**requests, **_below(levels, requests, height)}
+
+
+def _below(levels: Iterable[str], requests: Mapping[str, str], height: float) -> dict[str, str]:
+    """Meanings of levels, each with this height if it has none."""
+    return {n: requests[n] if BELOW in requests[n] else f"{requests[n]}{BELOW}{height!r} m" for n in levels}
+
+
+def with_named_levels(
+    names: Iterable[str], requests: Mapping[str, str], height: float | None
+) -> dict[str, str]:
+    """Meanings of columns; a height makes those levels that are called as echocal calls levels.
+
+    Raises
+    ------
+    UsageError
+        If a height is given, and no column is a level.
+
+    Examples
+    --------
+    >>> with_named_levels(["level_m", "temperature_C"], {}, 2.6)
+    {'level_m': 'level_m below 2.6 m'}
+    """
+    if height is None or any(is_level(name, own) for name, own in requests.items()):
+        return dict(requests)
+    found = {name: name for name in names if name not in requests and is_level_name(name)}
+    if not found:
         message = (
             f"{keyword('mount_height', height)} is for a column that holds a level; say which: "
             f"{keyword('columns', {'NAME': 'level_m'})}, or 'reference_level_m' for the reference"
         )
         raise UsageError(message)
-    more = {name: f"{requests[name]}{BELOW}{height!r} m" for name in levels if BELOW not in requests[name]}
-    return {**requests, **more}
+    return {**requests, **mounted(found, height)}
 
 
 def mount_height(plan: Plan) -> float | None:
@@ -90,7 +132,7 @@ def mounted_as(requests: Mapping[str, str], model: Model) -> Mapping[str, str]:
     levels = {name: own for name, own in requests.items() if is_level(name, own)}
     if kept is None or not levels:
         return requests
-    own = mounted(levels, kept)
+    own = _below(levels, levels, kept)
     if model.provenance.get(HEIGHT_FITTED) and (other := [name for name in own if own[name] == levels[name]]):
         message = (
             f"'{levels[other[0]]}': the diagnosis of the model fitted the mount height, {kept:g} m, together "

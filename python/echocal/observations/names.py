@@ -7,7 +7,18 @@ from echocal.errors import DataError, UsageError, among
 from echocal.keywords import command_line, keyword
 from echocal.observations.units import FORMS, NAMES, THERMOMETER, UNIT_WORDS, Form, symbol_of
 
-__all__ = ["BELOW", "EXTRA", "IGNORE", "INSPECT", "by_name", "by_request", "looks_like", "phrase", "unit_of"]
+__all__ = [
+    "BELOW",
+    "EXTRA",
+    "IGNORE",
+    "INSPECT",
+    "by_name",
+    "by_request",
+    "is_level_name",
+    "looks_like",
+    "phrase",
+    "unit_of",
+]
 
 EXTRA = "extra"
 BELOW = " below "
@@ -54,6 +65,18 @@ def by_name(column: str) -> tuple[Form, str] | None:
         f"column of another kind; {INSPECT}"
     )
     raise DataError(message)
+
+
+def is_level_name(column: str) -> bool:
+    """Whether a column is called as echocal calls levels: of what, and below which height, it does not say.
+
+    Examples
+    --------
+    >>> is_level_name("level_m"), is_level_name("reference_level_cm"), is_level_name("battery level")
+    (True, True, False)
+    """
+    found = _exact(column)
+    return found is not None and found[0].level
 
 
 def by_request(column: str, request: str) -> tuple[Form, str] | None:

@@ -7,7 +7,7 @@ from typing import Any
 
 from echocal.errors import UsageError
 from echocal.observations.layout import Layout
-from echocal.observations.mount import mounted
+from echocal.observations.mount import mounted, with_named_levels
 from echocal.observations.plan import read_columns
 
 __all__ = ["ReadOptions"]
@@ -56,10 +56,11 @@ class ReadOptions:
     def __post_init__(self) -> None:
         height = None if self.mount_height is None else float(self.mount_height)
         speed = None if self.reading_speed is None else str(self.reading_speed)
-        requests = mounted(read_columns(self.columns), height)
+        said = read_columns(self.columns)
+        requests = mounted(said, height)
         made = {
             "requests": requests,
-            "columns": requests or None,
+            "columns": said or None,
             "reading_speed": speed,
             "missing": self.missing if isinstance(self.missing, Mapping | str) else _listed(self.missing),
             "trust": _names(self.trust),
@@ -77,10 +78,17 @@ class ReadOptions:
         return {name: value for name, value, usual in own if not _same(value, usual)}
 
     def requests_of(self, columns: Collection[str]) -> dict[str, str]:
-        """Meaning of the columns of a log; of those that only the log of the reference has, none."""
+        """Meaning of the columns of a log; of those that only the log of the reference has, none.
+
+        Raises
+        ------
+        UsageError
+            If a mount height is given, and no column is a level.
+        """
+        requests = with_named_levels(columns, self.requests, self.mount_height)
         if self.reference is None:
-            return self.requests
-        return {name: request for name, request in self.requests.items() if name in columns}
+            return requests
+        return {name: request for name, request in requests.items() if name in columns}
 
     def plain(self) -> dict[str, Any]:
         """The same as JSON holds them."""

@@ -17,7 +17,7 @@ from echocal.observations.doubtful import doubtful_in
 from echocal.observations.fields import is_empty, shown
 from echocal.observations.found import Found
 from echocal.observations.hints import completed, hint, is_time_name, role_of, role_of_unit
-from echocal.observations.names import EXTRA, IGNORE, by_name, by_request
+from echocal.observations.names import EXTRA, IGNORE, by_name, by_request, is_level_name
 from echocal.observations.units import NAMES, has_foreign_unit, split_unit, symbol_of
 
 __all__ = ["Proposal", "codes_in", "propose", "unfit"]
@@ -57,6 +57,12 @@ def propose(table: pd.DataFrame, found: Found, given: Mapping[str, str]) -> dict
     told = {n: why.partition(";")[0].partition(" and is not")[0] for n, why in doubtful.items()}
     proposals |= {n: Proposal("", why) for n, why in told.items() if not proposals[n].request}
     held = {quantity for p in proposals.values() if (quantity := _quantity(p.request))}
+    for name in (n for n in columns if is_level_name(n) and not proposals[n].request):
+        if name not in given and (quantity := _quantity(name)) not in held:
+            proposals[name] = Proposal(
+                name, "its name: a level, which rises as the distance falls", guess=True
+            )
+            held.add(quantity)
     roles = {name: role_of(name) or _by_unit(name, table, held) for name in columns}
     bare = {name: role for name, role in roles.items() if role and not proposals[name].request}
     for name, role in sorted(bare.items(), key=lambda pair: pair[1] == "distance"):

@@ -141,12 +141,11 @@ def read_observations(
     table = load(source, how.layout, sheet=sheet)
     codes = Missing(missing)
     stated = conditions_at(how.at, table)
-    asked, spread = how.requests, None
+    asked, spread = how.requests_of(table.columns), None
     joins: dict[str, Join] = {}
     more: list[str] = []
     if reference is not None:
         other = second_log(how, table.columns)
-        asked = how.requests_of(table.columns)
         table, asked, joins, spread, more = other.added_to(table, asked, how)
     codes.refuse_unknown(table.columns)
     requests, found, said = understood(table, asked)

@@ -78,6 +78,7 @@ NOT = {
         "resolution", "threshold", "filtered", "corrected", "travelled", "traveled", "path", "twoway",
     },
     "wind": {"dir", "direction", "gust"},
+    "distance": {"level", "levels", "pegel", "stage", "waterlevel", "wasserstand"},
 }  # fmt: skip
 """Words that make it something else."""
 

@@ -20,6 +20,7 @@ from echocal.model import Model
 from echocal.observations import Observations
 from echocal.quantities import QUANTITIES
 from echocal.registry import effects
+from echocal.report.budget import probability_text
 from echocal.report.echo_times import counted, echo_table, said
 from echocal.shown import Shown
 from echocal.verify import Verification
@@ -186,7 +187,29 @@ def _(result: Verification) -> str:
     return (
         f"Verification {result.decision}: {result.exceeding} of {result.count} "
         f"errors exceed {bound:.3g} mm; the largest is {_MM * result.maximum_error:+.3g} mm"
+        f"{_guard(result)}"
     )
+
+
+def _guard(result: Verification) -> str:
+    """The guard band, where an uncertainty is stated."""
+    if result.least_probability is None:
+        return ""
+    return (
+        f"; with a guard band of {_MM * result.guard_band:.2g} mm, {result.undecided} are undecided; the "
+        f"least probability of conformity is {probability_text(result.least_probability)}"
+    )
+
+
+@explanation.register
+def _(result: Verification) -> str:
+    """The headline, the decision as a rule, what was not examined, and the notes."""
+    counted = {"not examined": result.unusable, "examined without it": result.outside_smooth}
+    lines = [f"{n} rows {what}: {why}" for what, own in counted.items() for why, n in own.items()]
+    rule = "No uncertainty is stated: an error conforms if it does not exceed the bound."
+    if result.least_probability is not None:
+        rule = "An error conforms if it is within the bound less the guard band (JCGM 106:2012, 8.3)."
+    return "\n".join([headline(result), rule, *lines, *(f"Note: {note}." for note in result.notes)])
 
 
 @dataframe.register
@@ -197,6 +220,8 @@ def _(result: Verification) -> pd.DataFrame:
         "mean error": result.mean_error,
         "RMS error": result.rms_error,
     }
+    if result.least_probability is not None:
+        rows["guard band"] = result.guard_band
     found = pd.DataFrame({"[mm]": _MM * np.array(list(rows.values()))}, index=list(rows))
     found.index.name = "figure"
     return found

@@ -135,6 +135,15 @@ class Page:
             self.distance = ui.radio(_DISTANCES, value="column")
             self.known = ui.number("distance [m]", format="%g").props("dense").classes("w-40")
             self.known.bind_visibility_from(self.distance, "value", value="known")
+            self.placements = ui.input("ruler values of the placements [m], in their order")
+            self.placements.props('dense hint="0.5, 1.2, 2.5"').classes("w-full")
+            self.placements.bind_visibility_from(self.distance, "value", value="column")
+            ui.label("What no column holds").classes("text-xl mt-4")
+            with ui.row().classes("items-end"):
+                self.temperature = ui.input("temperature of the air [degC]")
+                self.temperature.props('dense hint="20+-2, with its uncertainty"').classes("w-64")
+                self.height = ui.number("mount height above the zero of a level [m]", format="%g")
+                self.height.props("dense").classes("w-72")
             ui.label("The device").classes("text-xl mt-4")
             self.base = ui.input("speed of sound that the base assumes: a law, or m/s", value="linear")
             self.base.props('dense hint="linear, cramer, 343"').classes("w-full")
@@ -150,7 +159,12 @@ class Page:
             "base": self.base.value or None,
             "constant_distance": where == "constant" or None,
             "reference_distance": self.known.value if where == "known" else None,
+            "placements": (self.placements.value or None) if where == "column" else None,
         }
+        beside = {"temperature": self.temperature.value or "", "mount_height": self.height.value}
+        if not await self._tried(partial(self.session.say, **beside)):
+            return
+        self._list_columns()
         self.stage = ("reading", 0.0)
         self._working(True)
         try:

@@ -64,6 +64,7 @@ class Session:
     notes: list[str] = field(default_factory=list)
     _stated: dict[str, str] = field(default_factory=dict)
     _asked: dict[str, Any] = field(default_factory=dict)
+    _beside: dict[str, Any] = field(default_factory=dict)
 
     def close(self) -> None:
         """Remove the folder."""
@@ -78,13 +79,35 @@ class Session:
             If it cannot be read as a table of any kind.
         """
         self.name, self.inspection, self.diagnosis = Path(name).name, None, None
-        self._stated = {}
+        self._stated, self._beside = {}, {}
         self._path.write_bytes(content)
         self.inspection = inspect_log(self._path, self._options())
 
     def take(self, column: str, request: str) -> None:
         """Say what a column holds, one of `CHOICES`, and look at the log again."""
         self._stated[column] = request or EXTRA
+        self.diagnosis = None
+        self.inspection = inspect_log(self._path, self._options())
+
+    def say(self, *, temperature: str = "", mount_height: float | None = None) -> None:
+        """Say what no column holds, and look at the log again.
+
+        Parameters
+        ----------
+        temperature : str
+            Of the air [degC], as ``20+-2``; empty where a column has it.
+        mount_height : float, optional
+            Height of the sensor above the zero of a level [m].
+
+        Raises
+        ------
+        UsageError
+            If it is no number, or nothing asks for it.
+        """
+        told = {"at": {"temperature": temperature} if temperature.strip() else None}
+        self._beside = {
+            n: own for n, own in {**told, "mount_height": mount_height}.items() if own is not None
+        }
         self.diagnosis = None
         self.inspection = inspect_log(self._path, self._options())
 
@@ -148,16 +171,25 @@ class Session:
         return self.diagnosis
 
     def _options(self) -> ReadOptions:
-        return ReadOptions(columns=self._stated)
+        return ReadOptions(columns=self._stated, **self._beside)
 
     def _reading(self) -> dict[str, Any]:
         looked_at = self._looked_at
-        return {"columns": looked_at.requests, "missing": looked_at.missing}
+        return {"columns": looked_at.requests, "missing": looked_at.missing, **self._beside}
 
     def _command(self) -> str:
         """The command that makes the same report."""
         looked_at = self._looked_at
         columns = [f"{name}={request}" for name, request in looked_at.requests.items()]
         missing = [f"{name}={code}" for name, codes in looked_at.missing.items() for code in codes]
-        options = {**self._asked, "column": columns, "missing": missing, "report": "report.html"}
+        at = [f"{name}={own}" for name, own in self._beside.get("at", {}).items()]
+        height = self._beside.get("mount_height")
+        options = {
+            **self._asked,
+            "at": at,
+            "mount_height": height,
+            "column": columns,
+            "missing": missing,
+            "report": "report.html",
+        }
         return command_line("diagnose", self.name, **options)

@@ -118,7 +118,7 @@ def watch(
         )
         raise UsageError(message)
     how = ReadOptions(**options)
-    if any(is_level(name, own) for name, own in how.requests.items()):
+    if how.mount_height is not None or any(is_level(name, own) for name, own in how.requests.items()):
         message = "watch corrects distances, and a column holds a level: give it the distance, height - level"
         raise UsageError(message)
     kept = State(None if state is None else Path(state))

@@ -53,8 +53,9 @@ class Text:
         path, self.head = file.path, file.head
         layout = replace(file.layout, decimal=self.head.decimal)
         names = self.head.names
-        requests = completed(names, job.reading.requests, Found(units=self.head.units))[0]
-        job = replace(job, reading=replace(job.reading, columns=requests, **layout.plain()))
+        requests = completed(names, job.reading.requests_of(names), Found(units=self.head.units))[0]
+        pinned = {"columns": requests, "mount_height": None}  # each level has its height
+        job = replace(job, reading=replace(job.reading, **pinned, **layout.plain()))
         self.file, self.path, self.job = file, path, job
         try:
             self.corrector = Corrector(names, job, key)

@@ -10,12 +10,12 @@ from echocal.diagnose.faults.common.likelihood import by_echoes
 from echocal.diagnose.faults.common.repair import with_values
 from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
 from echocal.diagnose.findings.finding import listed
-from echocal.diagnose.preprocess.quantization_grid import find_grid
 from echocal.diagnose.preprocess.usable import some
 from echocal.diagnose.preprocess.view import View
 from echocal.diagnose.settings.faults import FaultSettings
 from echocal.diagnose.settings.threshold import threshold
 from echocal.observations import Observations
+from echocal.observations.quantization_grid import find_grid
 
 __all__ = ["FAULT"]
 

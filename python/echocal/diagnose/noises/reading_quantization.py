@@ -11,9 +11,9 @@ from echocal.diagnose.findings.finding import Finding
 from echocal.diagnose.findings.parts import Parameter
 from echocal.diagnose.noises.common.kinds import Quantization
 from echocal.diagnose.noises.common.truncation import Truncation, cut_off
-from echocal.diagnose.preprocess.quantization_grid import FINEST_STEP, QuantizationGrid
 from echocal.diagnose.preprocess.view import View
 from echocal.diagnose.settings.noises import NoiseSettings
+from echocal.observations.quantization_grid import FINEST_STEP, QuantizationGrid
 
 __all__ = ["NOISE"]
 

@@ -10,10 +10,10 @@ from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
 from echocal.diagnose.findings.finding import Finding
 from echocal.diagnose.findings.parts import Parameter
 from echocal.diagnose.noises.common.kinds import Quantization
-from echocal.diagnose.preprocess.quantization_grid import find_grid
 from echocal.diagnose.preprocess.view import View
 from echocal.diagnose.settings.noises import NoiseSettings
 from echocal.diagnose.settings.threshold import threshold
+from echocal.observations.quantization_grid import find_grid
 
 __all__ = ["NOISE"]
 

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.diagnose.preprocess.quantization_grid import FINEST_STEP, QuantizationGrid
+from echocal.observations.quantization_grid import FINEST_STEP, QuantizationGrid
 
 __all__ = ["printed_grid", "step_of_the_tape"]
 

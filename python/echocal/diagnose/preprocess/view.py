@@ -7,11 +7,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from echocal.diagnose.preprocess.base import Base
-from echocal.diagnose.preprocess.quantization_grid import QuantizationGrid, find_grid
 from echocal.diagnose.preprocess.tape import printed_grid, step_of_the_tape
 from echocal.diagnose.settings.noises import NoiseSettings
 from echocal.observations import Observations
 from echocal.observations.quantiles import MAD_TO_SD, median
+from echocal.observations.quantization_grid import QuantizationGrid, find_grid
 
 __all__ = ["View", "least_absolute"]
 

@@ -10,6 +10,7 @@ import numpy as np
 from echocal.diagnose.preprocess.table import Table
 from echocal.diagnose.validation.gain import HeldOut
 from echocal.model import Model, ResidualUncertainty
+from echocal.observations.quantization_grid import FINEST_STEP
 
 __all__ = ["residual_uncertainty"]
 
@@ -19,7 +20,10 @@ _ENOUGH = 50_000  # rows: the standard deviation of so many is known to 0.3 %
 def residual_uncertainty(
     table: Table, model: Model, held: HeldOut, scheme: str
 ) -> ResidualUncertainty | None:
-    """Measure the residual uncertainty of a model on rows of a table; None without any.
+    """Measure the residual uncertainty of a model on rows of a table; None where they do not show any.
+
+    Errors below the finest step of a device are those of arithmetic: of rows that were computed, or of a
+    reading that never changes, whose step nothing tells.
 
     Parameters
     ----------
@@ -39,4 +43,5 @@ def residual_uncertainty(
         conditions = {name: column[rows] for name, column in given.items() if name in model.reads}
         bare = model.with_residual_uncertainty(None)
         own = np.nan_to_num(bare.standard_uncertainty(distance, **conditions)) ** 2
-    return ResidualUncertainty.measured(held.error[rows], distance, own, scheme)
+    found = ResidualUncertainty.measured(held.error[rows], distance, own, scheme, 12**0.5 * table.rounding)
+    return None if found is None or found.of(found.high) < FINEST_STEP / 12**0.5 else found

@@ -1,4 +1,8 @@
-"""A date in pieces: columns of the year, the month, the day, the hour, the minute and the second."""
+"""A date in pieces: columns of the year, the month, the day, the hour, the minute and the second.
+
+The time of day may also be one number, as 1345 (hours and minutes) or 13.75 (hours), and the day of the year
+may have it as its fraction.
+"""
 
 from __future__ import annotations
 
@@ -24,7 +28,14 @@ _PIECES: dict[str, tuple[frozenset[str], tuple[int, int]]] = {
 }
 """Names of each piece, in lower case, and its least and largest value."""
 
+_HHMM = frozenset(
+    {"hhmm", "hh:mm", "hourmin", "hour_min", "hour_minute", "hrmin", "hrmn", "time_hhmm", "time"}
+)
+"""Names of hours and minutes as one number: 1345."""
+_SUFFIX = "_rtm"  # of a Campbell array: Year_RTM, Day_RTM, Hour_Minute_RTM
 _COARSER = {"second": "minute", "minute": "hour"}
+_MINUTES, _HOURS, _LAST = 60, 24, 2400
+_DIGITS = 3  # of a second: as printed fractions of a day have them
 _SOUND = 0.9  # of the fields: as of other columns of numbers
 
 
@@ -39,31 +50,61 @@ def step(table: pd.DataFrame, found: Found) -> tuple[pd.DataFrame, Found]:
     >>> made["time"].astype(str).tolist(), found.notes
     (['2024-05-31 13:45:00'], ("'Year', 'Month', 'Day', 'Hour', 'Min' are read together as time",))
     """
+    if "time" in table.columns and not pd.api.types.is_numeric_dtype(table["time"]):
+        return table, found
     columns = _columns(table)
     days = {"month", "day"} if {"month", "day"} <= {*columns} else {"day_of_year"}
-    if "time" in table.columns or not {"year", *days} <= {*columns}:
+    if not {"year", *days} <= {*columns}:
         return table, found
     used = {piece: name for piece, name in columns.items() if piece in {"year", *days, *_clock(columns)}}
-    values = {piece: _numbers(table[name]) for piece, name in used.items()}
-    if not all(_is_piece(piece, own) for piece, own in values.items()):
+    values = _in_hours({piece: _numbers(table[name]) for piece, name in used.items()}, used)
+    if "hour" in values and "second" in columns and (values["hour"] % 1.0).any() and "minute" not in used:
+        used["second"] = columns["second"]  # of hours and minutes as one number
+        values["second"] = _numbers(table[used["second"]])
+    one_number = {"hour"} if "minute" not in used else set()
+    finest = next(piece for piece in ("second", "minute", "hour", "day", "day_of_year") if piece in values)
+    if not all(_is_piece(piece, own, piece in {finest, *one_number}) for piece, own in values.items()):
         return table, found
+    table = table.rename(columns={"time": "time of day"})
+    used = {piece: "time of day" if name == "time" else name for piece, name in used.items()}
     time = _dates(values)
     for piece, seconds in (("hour", 3600.0), ("minute", 60.0), ("second", 1.0)):
         if piece in values:
-            time = time + pd.to_timedelta(seconds * values[piece], unit="s")
+            time = time + pd.to_timedelta(np.round(seconds * values[piece], _DIGITS), unit="s")
     names = ", ".join(f"'{name}'" for name in used.values())
     requests = {**found.requests, **dict.fromkeys(used.values(), "ignore")}
     notes = (*found.notes, f"{names} are read together as time")
     return table.assign(time=time), replace(found, notes=notes, requests=requests)
 
 
+def _plain(name: object) -> str:
+    return str(name).strip().lower().replace(" ", "_").removesuffix(_SUFFIX)
+
+
 def _columns(table: pd.DataFrame) -> dict[str, str]:
-    """Column of each piece, where one alone is called so."""
-    plain = {str(name): str(name).strip().lower().replace(" ", "_") for name in table.columns}
+    """Column of each piece, where one alone is called so; hours and minutes in one are the hour."""
+    plain = {str(name): _plain(name) for name in table.columns}
     listed = {
         piece: [name for name, own in plain.items() if own in words] for piece, (words, _) in _PIECES.items()
     }
-    return {piece: names[0] for piece, names in listed.items() if len(names) == 1}
+    listed["hour"] = listed["hour"] or [name for name, own in plain.items() if own in _HHMM]
+    found = {piece: names[0] for piece, names in listed.items() if len(names) == 1}
+    if "month" not in found and "day_of_year" not in found and "day" in found:
+        found["day_of_year"] = found.pop("day")  # a year and a day alone
+    return found
+
+
+def _in_hours(values: dict[str, NDArray[np.float64]], used: dict[str, str]) -> dict[str, NDArray[np.float64]]:
+    """The values, with hours in place of hours and minutes as one number."""
+    if "hour" not in values or "minute" in values:
+        return values
+    own = values["hour"]
+    known = own[np.isfinite(own)]
+    named = _plain(used["hour"]) in _HHMM
+    clock = (known == np.floor(known)) & (known >= 0) & (known <= _LAST) & (known % 100 < _MINUTES)
+    if not len(known) or clock.mean() < _SOUND or not (named or known.max() > _HOURS):
+        return values
+    return {**values, "hour": own // 100 + own % 100 / _MINUTES}
 
 
 def _clock(columns: dict[str, str]) -> list[str]:
@@ -76,25 +117,30 @@ def _numbers(values: pd.Series[Any]) -> NDArray[np.float64]:
     return np.asarray(numbers.to_numpy(dtype=np.float64, na_value=np.nan))
 
 
-def _is_piece(piece: str, values: NDArray[np.float64]) -> bool:
+def _is_piece(piece: str, values: NDArray[np.float64], finest: bool) -> bool:
+    """Whether the values may be this piece; only the finest one may have a fraction."""
     low, high = _PIECES[piece][1]
     sound = (values >= low) & (values < high + 1)
-    if piece != "second":
+    if not finest:
         sound &= values == np.floor(values)
     return bool(len(values)) and float(sound.mean()) >= _SOUND
 
 
+def _seconds_of(days: NDArray[np.float64]) -> NDArray[np.float64]:
+    return np.round(86400.0 * days, _DIGITS)
+
+
 def _dates(values: dict[str, NDArray[np.float64]]) -> pd.Series[Any]:
-    """Midnights; none where a piece is missing or impossible."""
+    """Midnights, and the fraction of a day; none where a piece is missing or impossible."""
     if "month" in values:
-        parts = {piece: values[piece] for piece in ("year", "month", "day")}
+        parts = {"year": values["year"], "month": values["month"], "day": np.floor(values["day"])}
         dates: pd.Series[Any] = pd.to_datetime(pd.DataFrame(parts), errors="coerce")
-        return dates
+        return dates + pd.to_timedelta(_seconds_of(values["day"] % 1.0), unit="s")
     first = {
         "year": values["year"],
         "month": np.ones_like(values["year"]),
         "day": np.ones_like(values["year"]),
     }
-    days = pd.to_timedelta(values["day_of_year"] - 1.0, unit="D")
+    days = pd.to_timedelta(_seconds_of(values["day_of_year"] - 1.0), unit="s")
     years: pd.Series[Any] = pd.to_datetime(pd.DataFrame(first), errors="coerce")
     return years + days

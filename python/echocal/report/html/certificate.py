@@ -1,8 +1,8 @@
 """The certificate of corrected distances: one HTML file, or a PDF of two pages."""
 
 import hashlib
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from datetime import date
 from pathlib import Path
 from typing import Any
@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from echocal.budget import Budget, budget
 from echocal.budget.conformity import Conformity, assessed, budget_of_errors
 from echocal.budget.coverage import COVERAGE, DECISIONS, plus_minus
+from echocal.budget.entries import Entry, Itemized
 from echocal.concise import concise
 from echocal.errors import UsageError
 from echocal.model import Model
@@ -53,6 +54,8 @@ class Certificate:
     """Whether there are reference distances."""
     rows: NDArray[np.int64]
     """Places of the rows that have a distance, and a reference distance where there are any."""
+    of_errors: Itemized = field(default_factory=lambda: Itemized(()))
+    """The budget of the measured errors, row by row: its expanded uncertainty is the guard band."""
 
     @property
     def decision(self) -> str:
@@ -119,12 +122,13 @@ def certify(
         reference = observations.reference_distance
         assert reference is not None  # just seen
         rows = rows[np.isfinite(reference[rows])]
-        own = budget_of_errors(observations, model, found.distance, uncertainties).rows(rows)
+        of_errors = budget_of_errors(observations, model, found.distance, uncertainties)
+        own = of_errors.rows(rows)
         error = (found.distance - reference)[rows]
     else:
-        own, error = found.itemized.rows(rows), np.zeros(len(rows))
+        own, error, of_errors = found.itemized.rows(rows), np.zeros(len(rows)), Itemized(())
     judged = assessed(error, own, maximum_permissible_error, coverage)
-    return Certificate(model, observations, found, judged, measured, rows)
+    return Certificate(model, observations, found, judged, measured, rows, of_errors)
 
 
 def certificate_page(
@@ -142,6 +146,8 @@ def certificate_page(
         Default: today.
     """
     own, shown = certificate, int(np.nanargmax(certificate.budget.expanded_uncertainty))
+    errors = replace(own.budget, itemized=own.of_errors)
+    least = int(own.rows[int(np.argmax(own.conformity.expanded_uncertainty))])
     notes = list(dict.fromkeys((*own.budget.notes, *own.observations.notes)))
     return rendered(
         "certificate.html.j2",
@@ -164,7 +170,9 @@ def certificate_page(
         budget_lines=lines(own.budget, shown),
         budget_row=conditions_text(own.budget, shown),
         budget_text=result_text(own.budget, shown),
-        origins=_origins(own.budget),
+        error_lines=lines(errors, least) if own.observations.reference_join_uncertainty else [],
+        error_row=conditions_text(own.budget, least),
+        origins=_origins((*own.budget.entries, *own.of_errors.entries)),
         notes=notes,
         made_by=made_by,
     )
@@ -297,8 +305,8 @@ def _groups(own: Certificate) -> list[NDArray[np.int64]]:
     return [part for part in np.array_split(np.argsort(distance, kind="stable"), _MOST // 2) if len(part)]
 
 
-def _origins(found: Budget) -> list[str]:
+def _origins(entries: Sequence[Entry]) -> list[str]:
     """Sources of the numbers, once each."""
     own = ("stated", "model", "covariance of the model")
-    named = {e.origin: e.words.partition(", ")[0] for e in reversed(found.entries) if e.origin not in own}
+    named = {e.origin: e.words.partition(", ")[0] for e in reversed(entries) if e.origin not in own}
     return [f"{words}: {origin}" for origin, words in reversed(named.items())]

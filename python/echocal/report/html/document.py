@@ -10,6 +10,7 @@ from typing import Any
 from numpy.typing import NDArray
 
 from echocal.charts.parts import Axis, Bar, Bars, Chart, Line, Panel, Points, Rug
+from echocal.checksums import SEAL, sealed
 
 __all__ = ["Head", "Section", "drawn", "notes_of", "rendered", "sections_page"]
 
@@ -43,8 +44,9 @@ def rendered(template: str, command: str, title: str, **content: Any) -> str:
     )
     environment.filters["drawn"] = lambda chart: Markup(drawn(chart))
     common = {"command": command, "title": title, "version": version("echocal")}
+    common |= {"seal": SEAL.format("")}
     common |= {"script": _text("chart.js"), "style": _text("page.css")}
-    return environment.get_template(template).render(**common, **content)
+    return sealed(environment.get_template(template).render(**common, **content))
 
 
 def _text(name: str) -> str:

@@ -1,0 +1,93 @@
+"""Several rangers in columns beside each other: each is corrected by its own model, into its own table."""
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from echocal.correct.inputs import ENDINGS, find_inputs
+from echocal.errors import UsageError
+from echocal.keywords import keyword
+from echocal.model import Model
+from echocal.model.folder import ModelFolder, file_name
+from echocal.observations.hints import hint
+from echocal.observations.names import IGNORE
+
+if TYPE_CHECKING:
+    from echocal.correct.driver import Summary
+
+__all__ = ["correct_rangers", "ranger_file", "rangers_of"]
+
+
+def rangers_of(by: str | None, models: str | Path | None) -> dict[str, Model]:
+    """Model of each ranger that `by` names, as ``"left_cm,right_cm"``; none where it names one column.
+
+    Examples
+    --------
+    >>> rangers_of("sensor_id", "models")
+    {}
+    """
+    names = [name.strip() for name in (by or "").split(",")]
+    if models is None or len(names) < 2 or not Path(models).is_dir():
+        return {}
+    folder = ModelFolder(Path(models))
+    found = {name: folder.model(name) for name in names}
+    return {name: model for name, model in found.items() if model is not None and all(found.values())}
+
+
+def correct_rangers(
+    work: Callable[..., "Summary"],
+    source: str | Path,
+    out: Path,
+    rangers: Mapping[str, Model],
+    columns: Mapping[str, str],
+    **how: Any,
+) -> dict[str, "Summary"]:
+    """Correct one table once for each ranger, into a folder with a file for each.
+
+    Parameters
+    ----------
+    work : callable
+        `echocal.correct_files`.
+    source : path
+        The table.
+    out : path
+        The folder.
+    rangers : mapping of str to Model
+        By the column of the ranger.
+    columns : mapping of str to str
+        Meaning of columns.
+    **how
+        Further arguments of `work`.
+
+    Returns
+    -------
+    dict of str to Summary
+        By the name of the file.
+
+    Raises
+    ------
+    UsageError
+        If the output is named as a file, or the input is a folder.
+    """
+    inputs = find_inputs(str(source))
+    if not inputs.single or out.suffix in ENDINGS:
+        message = (
+            f"{keyword('by', ','.join(rangers))} are rangers beside each other in one table, and each has a "
+            f"file of its own: give one table, and a folder for {keyword('out', 'DIR')}"
+        )
+        raise UsageError(message)
+    out.mkdir(parents=True, exist_ok=True)
+    done = {}
+    for name, model in rangers.items():
+        said = hint(name)
+        own = {**columns, **({name: said.name} if said and name not in columns else {})}
+        own |= {other: IGNORE for other in rangers if other != name}
+        file = ranger_file(name, source)
+        done[file] = work(source, out / file, model, columns=own, **how)
+    return done
+
+
+def ranger_file(name: str, source: str | Path) -> str:
+    """Name of the file of a ranger; its ending is that of the table."""
+    endings = (ending for ending in sorted(ENDINGS, key=len, reverse=True) if str(source).endswith(ending))
+    return f"{Path(file_name(name)).stem}{next(endings, '.csv')}"
