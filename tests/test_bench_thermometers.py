@@ -8,10 +8,10 @@ from scipy.integrate import solve_ivp
 
 from echocal.errors import UsageError
 from echocal.virtual_bench.echo_time import echo_time
-from echocal.virtual_bench.hygrometers import HIH4030
-from echocal.virtual_bench.thermometers import (
+from echocal.virtual_bench.instruments import (
     DHT22,
     DS18B20,
+    HIH4030,
     LM35,
     PARTS,
     POTENTIOMETER,

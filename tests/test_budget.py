@@ -10,9 +10,8 @@ import pytest
 from typer.testing import CliRunner
 
 import echocal
-from echocal.budget.coverage import conformity_probability, coverage_factor, decided
+from echocal.budget.coverage import conformity_probability, coverage_factor, decided, plus_minus, rounded_up
 from echocal.budget.entries import Entry, Itemized
-from echocal.budget.rounding import plus_minus, rounded_up
 from echocal.budget.stated import Uncertainties
 from echocal.cli import app
 from echocal.correct import correct_table

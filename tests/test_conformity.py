@@ -9,7 +9,7 @@ from typer.testing import CliRunner
 
 import echocal
 from echocal.budget.conformity import budget_of_errors
-from echocal.budget.rounding import plus_minus
+from echocal.budget.coverage import plus_minus
 from echocal.cli import app
 from echocal.report.html.certificate import certify
 

@@ -10,9 +10,9 @@ import pytest
 
 import echocal
 from echocal.correct import correct_files
-from echocal.correct.kinds import KINDS, kind_of, possible
 from echocal.correct.parquet import file as parquet_file
 from echocal.correct.text import file as text_file
+from echocal.correct.text_to_parquet import KINDS, kind_of, possible
 
 MODEL = echocal.Model("cramer", {"zero_error": {"offset": 2e-3}})
 LAG = echocal.Model("cramer", {"temperature_lag": {"time_constant": 600.0}})

@@ -14,8 +14,8 @@ import pytest
 
 import echocal
 from echocal.correct import correct_files, correct_table
+from echocal.correct.batch import in_bytes
 from echocal.correct.inputs import find_inputs
-from echocal.correct.memory import in_bytes
 from echocal.model.folder import file_name
 
 OFFSETS = {"1": 0.0, "2": 5e-3, "tank 7/a": -3e-3}

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from echocal.correct import lock
-from echocal.correct.lock import locked
+from echocal.correct import manifest
+from echocal.correct.manifest import locked
 from echocal.errors import UsageError
 
 fcntl = pytest.importorskip("fcntl")
@@ -17,7 +17,7 @@ fcntl = pytest.importorskip("fcntl")
 OWNER = """
 import os, sys, time
 from pathlib import Path
-from echocal.correct.lock import locked
+from echocal.correct.manifest import locked
 with locked(Path(sys.argv[1])):
     if os.fork() == 0:  # a process that has not run its own program yet
         time.sleep(float(sys.argv[2]))
@@ -29,7 +29,7 @@ with locked(Path(sys.argv[1])):
 DONE = """
 import os, sys, time
 from pathlib import Path
-from echocal.correct.lock import locked
+from echocal.correct.manifest import locked
 with locked(Path(sys.argv[1])):
     if os.fork() == 0:
         time.sleep(5)
@@ -59,7 +59,7 @@ def test_a_killed_owner_is_waited_for(tmp_path: Path) -> None:
 
 
 def test_the_wait_ends(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(lock, "PATIENCE", 0.2)
+    monkeypatch.setattr(manifest, "PATIENCE", 0.2)
     owner = killed_owner(tmp_path / "out" / "lock", 20.0)
     with pytest.raises(UsageError, match=f"by process {owner} on"), locked(tmp_path / "out" / "lock"):
         pass
@@ -73,7 +73,7 @@ def test_a_living_owner_is_told_at_once(tmp_path: Path) -> None:
         locked(tmp_path / "out" / "lock"),
     ):
         pass
-    assert time.monotonic() - begun < lock.PATIENCE / 2
+    assert time.monotonic() - begun < manifest.PATIENCE / 2
 
 
 def test_what_a_run_has_started_does_not_keep_its_lock(tmp_path: Path) -> None:

@@ -11,7 +11,7 @@ from planted import clean
 
 import echocal
 from echocal.correct import correct_table
-from echocal.correct.marks import context_of, rules_of
+from echocal.correct.needed import context_of, rules_of
 from echocal.diagnose.faults import registry
 from echocal.diagnose.faults.common.fault import Fault
 from echocal.observations.marks import MARKS, RowRule, rules_from

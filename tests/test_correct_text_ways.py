@@ -17,7 +17,7 @@ from echocal import _core
 from echocal.correct import correct_files
 from echocal.correct.text import file as text_file
 from echocal.correct.text import parse
-from echocal.correct.text.write import _shortest
+from echocal.correct.text.file import _shortest
 from echocal.observations.layout import Layout
 
 PLAIN = ("20", "20.5", "-3.25", "19.999999", "21.0000000000000001", "1e1", "15.", "7.0", "0012")

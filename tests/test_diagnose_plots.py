@@ -12,13 +12,19 @@ from matplotlib.figure import Figure
 from rich.console import Console
 
 import echocal
-from echocal.charts.columns import by_correlation
+from echocal.charts.errors import by_correlation
 from echocal.diagnose import Cause, NextMeasurement
 from echocal.diagnose.results.grouped import grouped
-from echocal.plots.diagnosis import plot_gain, plot_posterior, save_diagnosis
-from echocal.plots.next_measurements import next_figure
-from echocal.plots.residuals import _summary, plot_residuals, residuals_figure
-from echocal.plots.unexplained import plot_unexplained
+from echocal.plots.diagnosis import (
+    _summary,
+    next_figure,
+    plot_gain,
+    plot_posterior,
+    plot_residuals,
+    plot_unexplained,
+    residuals_figure,
+    save_diagnosis,
+)
 from echocal.report import print_diagnosis
 
 

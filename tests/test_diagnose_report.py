@@ -10,12 +10,12 @@ import pytest
 from browsed import CLEAN, Text, browsed, chromium, drawn_in
 
 import echocal
-from echocal.charts.diagnosis import posterior_chart
 from echocal.charts.errors import distance_chart, time_chart, truth_chart
 from echocal.charts.parts import Axis, Chart, Panel, Points, Rug
+from echocal.charts.results import posterior_chart
 from echocal.diagnose.results.brief import brief
 from echocal.report.html import report_page
-from echocal.report.html.drawing import drawn
+from echocal.report.html.document import drawn
 
 ROWS = 300
 WHERE = """() => {

@@ -182,7 +182,7 @@ def test_the_mean_of_the_captures_is_a_template(
 def test_the_mean_of_inverted_echoes_does_not_mix_cycles(
     rounds: int, echo: Echo, random: np.random.Generator, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("echocal.waveforms.averaged._ROUNDS", rounds)
+    monkeypatch.setattr("echocal.waveforms.timing._ROUNDS", rounds)
     delays = random.uniform(LATE, LATE + 1e-3, 60)
     made = -captures(echo, delays, RATE, COUNT) + 0.05 * random.standard_normal((60, COUNT))
     off = echocal.echo_times(made, RATE, template="mean").time - delays

@@ -16,7 +16,7 @@ from echocal import emulation, firmware, silicon
 from echocal.emulation import TRUTH
 from echocal.errors import UsageError
 from echocal.virtual_bench.echo_time import echo_time
-from echocal.virtual_bench.thermometers import TMP36
+from echocal.virtual_bench.instruments import TMP36
 
 pytestmark = pytest.mark.skipif(
     bool(silicon.missing_for_sketches()), reason=f"absent: {', '.join(silicon.missing_for_sketches())}"
@@ -182,7 +182,7 @@ def test_nothing_of_the_laws_is_in_the_bench() -> None:
     import subprocess
 
     script = (
-        "import sys, echocal.virtual_bench.thermometers, echocal.virtual_bench.hygrometers\n"
+        "import sys, echocal.virtual_bench.instruments, echocal.virtual_bench.instruments\n"
         "import echocal.virtual_bench.echo_time\n"
         "print([m for m in sys.modules if m.startswith('echocal.') and 'virtual_bench' not in m])"
     )

@@ -13,7 +13,7 @@ import pytest
 import echocal
 from echocal import firmware, silicon
 from echocal.errors import DataError, UsageError
-from echocal.virtual_bench.thermometers import TMP36
+from echocal.virtual_bench.instruments import TMP36
 
 pytestmark = pytest.mark.skipif(
     bool(silicon.missing_for_sketches()), reason=f"absent: {', '.join(silicon.missing_for_sketches())}"

@@ -17,7 +17,7 @@ import echocal
 from echocal.correct import correct_files
 from echocal.correct.driver import Progress
 from echocal.engines import open_engine
-from echocal.engines.checks import sees
+from echocal.engines.worker import sees
 from echocal.errors import UsageError
 from echocal.model import folder as model_folder
 from echocal.places import file_digest

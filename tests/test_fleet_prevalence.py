@@ -9,9 +9,8 @@ import pytest
 from scipy.stats import hypergeom
 
 from echocal.diagnose.settings import Settings
-from echocal.fleet.judge import false_discoveries, judged
-from echocal.fleet.prevalence import prevalence
-from echocal.fleet.together import together
+from echocal.fleet.prevalence import false_discoveries, judged, prevalence
+from echocal.fleet.summary import together
 
 SETTINGS = Settings()
 CAUSES = ("amplitude_walk", "clock_error", "drift", "fixed_delay", "temperature_lag", "zero_error")

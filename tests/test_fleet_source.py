@@ -14,11 +14,10 @@ from polars.testing import assert_frame_equal
 
 from echocal.errors import DataError
 from echocal.fleet.gather import Log, logs
-from echocal.fleet.index import Index, indexed
-from echocal.fleet.plan import tasks_of
-from echocal.fleet.source import files_of
-from echocal.fleet.spill import is_spilled, plan_spills, run_spill
-from echocal.model.names import named
+from echocal.fleet.index import Index, files_of, indexed
+from echocal.fleet.store import is_spilled, plan_spills, run_spill
+from echocal.fleet.task import tasks_of
+from echocal.model.folder import named
 from echocal.observations.layout import Layout
 
 LAYOUT = Layout()

@@ -27,7 +27,7 @@ from killed import (
 import echocal
 from echocal.correct import correct_files
 from echocal.correct.task import run_task
-from echocal.fleet import diagnose_fleet, spill
+from echocal.fleet import diagnose_fleet, store
 from echocal.fleet.task import run_task as diagnose_task
 
 MODEL, OTHER = model(2e-3), model(3e-3)
@@ -113,7 +113,7 @@ def test_a_diagnosis_of_another_request_leaves_no_verdict(
                 result = work(task)
                 for late in old.tasks:
                     with pytest.raises(echocal.UsageError, match="was begun anew by another run"):
-                        (spill.run_spill if "buckets" in late else diagnose_task)(late)
+                        (store.run_spill if "buckets" in late else diagnose_task)(late)
                 yield task, result
 
     diagnose_fleet("logs.parquet", "sensor_id", base="cramer", out="v.parquet", engine=Late(), **how)

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from echocal.cli import _fleet, _pool
+from echocal.cli import _several
 from echocal.errors import UsageError
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
@@ -90,15 +90,15 @@ def test_a_page_is_html(page: str, run: Run) -> None:
 
 def test_each_option_of_one_table_has_a_way_out(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     """Every option that the command refuses for several tables, and for a fleet."""
-    for module, words in ((_pool, (TABLE,)), (_fleet, ("-o", "verdicts.csv"))):
+    for is_fleet, words in ((False, (TABLE,)), (True, ("-o", "verdicts.csv"))):
         given: dict[str, object] = {}
         with monkeypatch.context() as patched:
-            patched.setattr(module, "refuse_options", given.update)
+            patched.setattr(_several, "refuse_options", lambda one, to=given, **_: to.update(one))
             run("diagnose", TABLE, *words)
         assert {"--placements", "--matters-mm", "--rows"} <= {*given}
         for option in given:
             with pytest.raises(UsageError, match=f"{option} is for one table, .*; [a-z-]+ "):
-                module.refuse_options({option: True})
+                _several.refuse_options({option: True}, is_fleet=is_fleet)
         for option in ("--placements", "--matters-mm"):
             code, told = run("diagnose", TABLE, *words, option, "0")
             assert (code, told.count("\n")) == (2, 1)

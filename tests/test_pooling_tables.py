@@ -18,8 +18,8 @@ import echocal
 from echocal.diagnose.pooling.source import sources_of
 from echocal.errors import DataError, UsageError
 from echocal.model import Model
-from echocal.plots.pooled import plot_sizes
-from echocal.report.pooled import print_pooled
+from echocal.plots.several import plot_sizes
+from echocal.report.several import print_pooled
 
 Run = Callable[..., tuple[int, str]]
 

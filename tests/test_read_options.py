@@ -71,7 +71,7 @@ def test_a_worker_is_told_all_options() -> None:
     assert ReadOptions().given() == ReadOptions().plain() == {}
     reading = Reading.of(ALL, ["echo_us=10"], mark_rows=False)
     job = job_of(echocal.Model("linear"), None, None, reading, None)
-    from echocal.engines.checks import models_digest
+    from echocal.engines.worker import models_digest
 
     task = {"job": job, "digest": models_digest(job["models"])}
     assert Job.of(task).reading == reading

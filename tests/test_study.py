@@ -8,9 +8,8 @@ import pytest
 
 from echocal import DataError
 from echocal.study import Study, Tables, Verdict, claims, given, run
-from echocal.study.rounding import Printed
-from echocal.study.sensor import speed
-from echocal.study.tables import Table
+from echocal.study.origin import speed
+from echocal.study.tables import Printed, Table
 
 YES, NO, WRONG = Verdict.REPRODUCED, Verdict.NOT_REPRODUCED, Verdict.PHYSICALLY_WRONG
 

@@ -13,8 +13,8 @@ from echocal.cli import app
 from echocal.study import run
 from echocal.study.diagnosed import ask
 from echocal.study.diagnosed import render as render_diagnosed
-from echocal.study.document import render
 from echocal.study.figures import FIGURES
+from echocal.study.report import render
 
 DIAGNOSED = Path(__file__).parents[1] / "docs" / "study-diagnosis.md"
 PAGE = Path(__file__).parents[1] / "docs" / "study.md"

@@ -14,15 +14,21 @@ from echocal import DataError, silicon
 from echocal.study import Tables
 from echocal.study.question import picture
 from echocal.study.question.answer import Answer, answer
-from echocal.study.question.comparison import compare, curve, deviation, pattern_of, unrounded, without_steps
-from echocal.study.question.experiment import Readings, run
-from echocal.study.question.explanations import explain, involved
-from echocal.study.question.investigation import Investigation
+from echocal.study.question.explanations import (
+    compare,
+    curve,
+    deviation,
+    explain,
+    involved,
+    pattern_of,
+    unrounded,
+    without_steps,
+)
+from echocal.study.question.investigation import Investigation, Readings, run
 from echocal.study.question.laws import ALL, suspect
 from echocal.study.question.measurements import MEASUREMENTS, separation
 from echocal.study.question.page import FIGURES, render
-from echocal.study.rounding import Printed
-from echocal.study.tables import Table
+from echocal.study.tables import Printed, Table
 
 DOCS = Path(__file__).parents[1] / "docs"
 READINGS = DOCS / "study-question.json"

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from echocal.study.rounding import Printed, reach
+from echocal.study.tables import Printed, reach
 
 
 @given(st.integers(-10_000, 10_000), st.integers(0, 4), st.floats(-0.499, 0.499))

@@ -13,8 +13,7 @@ from hypothesis import strategies as st
 
 import echocal
 from echocal.plots.sweep import plot_sweep, sweep_figure
-from echocal.sweep import parse
-from echocal.sweep.files import write
+from echocal.sweep import parse, write
 from echocal.sweep.grid import axis
 
 DEVICE = echocal.Model(

@@ -14,9 +14,8 @@ from scipy.signal import lsim
 import echocal.virtual_bench
 from echocal.virtual_bench import Comparator, Resonance, Scene, Sensor, Target, measure, waveform
 from echocal.virtual_bench.waveform.burst import BurstResponse
-from echocal.virtual_bench.waveform.crossing import first_crossing
 from echocal.virtual_bench.waveform.measure import received
-from echocal.virtual_bench.waveform.received import Noise, Received
+from echocal.virtual_bench.waveform.received import Noise, Received, first_crossing
 
 Column = NDArray[np.float64]
 

@@ -12,7 +12,7 @@ from test_correct_marks import BY_INSTANT, LEFT_OUT
 
 import echocal
 from echocal.correct import correct_table
-from echocal.correct.marks import context_of
+from echocal.correct.needed import context_of
 from echocal.correct.results import DISTANCE, STATUS, UNCERTAINTY
 from echocal.diagnose.faults.common.fault import Fault
 from echocal.watch import Fleet, Reference, State, WatchSettings

@@ -9,8 +9,7 @@ import echocal
 from compensation.world import EACH, REFERENCE, Column, Truth, Unit
 from echocal.virtual_bench import air
 from echocal.virtual_bench.campaign.campaign import Random
-from echocal.virtual_bench.hygrometers import HIH4030
-from echocal.virtual_bench.thermometers import PARTS, AnalogThermometer, Thermometer
+from echocal.virtual_bench.instruments import HIH4030, PARTS, AnalogThermometer, Thermometer
 
 SENSOR_EURO = 4.0
 SENSOR_SOURCE = "2.27 to 7.20 $ in three catalogues, listed at flux.ai/vasy_skral/hc-sr04~afv"

@@ -203,7 +203,7 @@ def assumptions() -> str:
     return f"""## Prices and parts
 
 {_table(heads + "time constant [s] | in full sun [K]", rows)}
-- Thermometers and the hygrometer are the parts of the virtual bench: `echocal.virtual_bench.thermometers` and
+- Thermometers and the hygrometer are the parts of the virtual bench: `echocal.virtual_bench.instruments` and
   `hygrometers` name the source of each number. Analog parts are read with 10 bits against a supply that errs
   by 1 % (assumed). The DHT22 is read twice, and the first reading is thrown away, since it is old. Its
   humidity errs by 2.5 % (half of the data sheet's limit).

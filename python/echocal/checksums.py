@@ -26,10 +26,6 @@ def list_of(texts: Mapping[str, str], folder: Path) -> str:
         Text by path in the folder.
     folder : Path
         Folder that they go into.
-
-    Returns
-    -------
-    str
     """
     earlier = {name: digest for name, digest in unedited(folder).items() if name not in texts}
     made = {name: _of_text(text) for name, text in texts.items()}

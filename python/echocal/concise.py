@@ -25,10 +25,6 @@ def concise(value: float, uncertainty: float = 0.0, unit: str = "") -> str:
     unit : str
         The unit; empty for the unit one.
 
-    Returns
-    -------
-    str
-
     Examples
     --------
     >>> concise(79.92, 0.51, "us"), concise(78.57, 7.2, "us"), concise(12.31, 1.24)

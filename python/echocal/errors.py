@@ -60,7 +60,6 @@ class AbsentError(DataError):
 
     Parameters
     ----------
-    message : str
     quantity : str
         Its name: ``"temperature"``.
     """

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from echocal.calibrate import Calibration, calibrate
 from echocal.correct import correct
-from echocal.correct.marks import NOT_CHECKED
+from echocal.correct.needed import NOT_CHECKED
 from echocal.correct.results import DISTANCE
 from echocal.diagnose import Diagnosis, diagnose
 from echocal.errors import DataError, DataWarning, UsageError

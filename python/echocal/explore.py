@@ -23,30 +23,14 @@ Progress = Callable[[str, int, int], object]
 
 @dataclass(frozen=True)
 class Choice:
-    """One proven function and what it costs.
+    """One proven function and what it costs."""
 
-    Attributes
-    ----------
-    made : Firmware
-        The function.
-    error : float
-        Largest error, proven [m].
-    flash : int
-        Bytes, including the functions of the compiler's library that it calls.
-    steps : int
-        Most cycles (AVR) or instructions of one call.
-    figures : {"measured", "cost model"}
-        Origin of `flash` and `steps`.
-    core : str or None
-        The core on which they were measured.
-    """
-
-    made: Firmware
-    error: float
-    flash: int
-    steps: int
-    figures: str
-    core: str | None
+    made: Firmware  # the function
+    error: float  # largest error, proven [m]
+    flash: int  # bytes, including the functions of the compiler's library that it calls
+    steps: int  # most cycles (AVR) or instructions of one call
+    figures: str  # origin of `flash` and `steps`; one of {"measured", "cost model"}
+    core: str | None  # the core on which they were measured
 
     @property
     def unit(self) -> str:
@@ -90,7 +74,8 @@ def explore(
     """Design with every form at tighter and tighter bounds, and keep the Pareto front.
 
     Flash and time are measured if the compiler and the simulator are installed. Otherwise they come from the
-    cost model of the search; `Choice.figures` states which.
+    cost model of the search; `Choice.figures` states which. Raises `BoundError` if no form meets `max_error`,
+    and `UsageError` if an effect needs an input that the device lacks, or if the codes are invalid.
 
     Parameters
     ----------
@@ -112,13 +97,6 @@ def explore(
     -------
     list of Choice
         The Pareto front, the least flash first.
-
-    Raises
-    ------
-    BoundError
-        If no form meets `max_error`.
-    UsageError
-        If an effect needs an input that the device lacks, or if the codes are invalid.
 
     Examples
     --------

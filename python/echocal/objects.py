@@ -34,12 +34,7 @@ def is_url(path: object) -> bool:
 
 @dataclass(frozen=True, order=True)
 class Object:
-    """An object, or a folder of objects; it need not exist.
-
-    Attributes
-    ----------
-    url : str
-    """
+    """An object, or a folder of objects; it need not exist."""
 
     url: str
 
@@ -67,13 +62,7 @@ class Object:
             return not files.isfile(path) and bool(files.isdir(path))
 
     def stamp(self) -> dict[str, Any]:
-        """Size [B] and version of the content.
-
-        Raises
-        ------
-        DataError
-            If there is none, or the store refuses.
-        """
+        """Size [B] and version of the content. Raises `DataError` if there is none, or the store refuses."""
         with self._reading():
             files, path = _files(self.url)
             facts = files.info(path)

@@ -92,10 +92,10 @@ def _of_writing() -> Iterator[None]:
 def replacing(path: str | Path, last: Callable[[], None] = lambda: None) -> Iterator[Path]:
     """Give a path to write to, and put that file in place when it is complete.
 
-    What was there stays until then, whatever ends the work: an error, a full disk, Ctrl-C. Two processes
-    that write one file never write into each other's; the last one that is done has it. A link stays a
-    link: the file that it points to is replaced, and keeps its permissions. A device or a pipe is written
-    to as it stands.
+    What was there stays until then, whatever ends the work: an error, a full disk, Ctrl-C. Two processes that
+    write one file never write into each other's; the last one that is done has it. A link stays a link: the
+    file that it points to is replaced, and keeps its permissions. A device or a pipe is written to as it
+    stands. Raises `UsageError` if the file cannot be written.
 
     Parameters
     ----------
@@ -108,11 +108,6 @@ def replacing(path: str | Path, last: Callable[[], None] = lambda: None) -> Iter
     ------
     Path
         File to write, in the same folder; its name has another ending, so name the format.
-
-    Raises
-    ------
-    UsageError
-        If the file cannot be written.
 
     Examples
     --------
@@ -149,13 +144,7 @@ def replacing(path: str | Path, last: Callable[[], None] = lambda: None) -> Iter
 
 
 def replace_text(path: str | Path, text: str, *, newline: str | None = None) -> None:
-    """Write a text in UTF-8, complete or not at all.
-
-    Raises
-    ------
-    UsageError
-        If the file cannot be written.
-    """
+    """Write a text in UTF-8, complete or not at all. Raises `UsageError` if the file cannot be written."""
     with replacing(path) as unfinished:
         unfinished.write_text(text, encoding="utf-8", newline=newline)
 
@@ -163,10 +152,7 @@ def replace_text(path: str | Path, text: str, *, newline: str | None = None) -> 
 def write_table(table: Any, path: Path) -> None:
     """Write a table of pandas as .parquet, or else as CSV; complete or not at all.
 
-    Raises
-    ------
-    UsageError
-        If Parquet lacks its library, or the file cannot be written.
+    Raises `UsageError` if Parquet lacks its library, or the file cannot be written.
     """
     if path.suffix.lower() != ".parquet":
         replace_text(path, csv_text(table), newline="")
@@ -182,22 +168,12 @@ def write_table(table: Any, path: Path) -> None:
 def replace_all(folder: Path, texts: Mapping[str, str]) -> list[Path]:
     """Write texts that belong together into a folder, which is made if absent.
 
-    All are complete before the first is put in its place.
+    All are complete before the first is put in its place. Raises `UsageError` if one cannot be written.
 
     Parameters
     ----------
-    folder : Path
     texts : mapping of str to str
         Text by path in the folder.
-
-    Returns
-    -------
-    list of Path
-
-    Raises
-    ------
-    UsageError
-        If one cannot be written.
     """
     paths = {folder / name: text for name, text in texts.items()}
     with ExitStack() as together, writing(folder):
@@ -211,10 +187,7 @@ def replace_all(folder: Path, texts: Mapping[str, str]) -> list[Path]:
 def refuse_name(path: Path) -> None:
     """Refuse a name that no file can have.
 
-    Raises
-    ------
-    UsageError
-        If it holds a zero byte or is no text in Unicode.
+    Raises `UsageError` if it holds a zero byte or is no text in Unicode.
     """
     try:
         possible = b"\0" not in os.fsencode(path)

@@ -20,10 +20,7 @@ def place_of(path: str | Path) -> Place:
 def stamp(place: Place) -> dict[str, Any]:
     """Size [B] and version (on a disk: time of the last change [ns]) of a file.
 
-    Raises
-    ------
-    DataError
-        If it cannot be read.
+    Raises `DataError` if it cannot be read.
     """
     if isinstance(place, Object):
         return place.stamp()

@@ -66,58 +66,42 @@ class Parameter:
 
 @dataclass(frozen=True)
 class Effect:
-    """What is known about an effect: a deviation of a real sensor from its simulation.
-
-    Attributes
-    ----------
-    id : str
-        Name in models, files and messages.
-    stage : str
-        Stage of the measurement chain at which it acts.
-    sentence, formula, source : str
-        Description, formula and source; primed symbols are the values after the effect.
-    reads : tuple of str
-        Influence quantities that it depends on.
-    requires, excludes : tuple of str
-        Quantities that must, or must not, be recorded; otherwise the effect has no meaning.
-    supplies : str or None
-        Quantity whose influence it adds: a law that reads that quantity refuses the effect.
-    calls : str or None
-        Law that its formula uses: the effect holds where that law holds.
-    extends : tuple of str
-        The only laws that it can extend; empty where it extends any.
-    parameters : tuple of Parameter
-        In the order of `Model.parameter_names`.
-    edges : bool
-        Whether its formula has edges, where a derivative jumps.
-    recurs : bool
-        Whether it also applies to another campaign. Effects that began or grew during one do not.
-    domain, check : str
-        Where it holds, and the measurement that confirms or refutes it.
-    firmware : {"folded", "needs", "refused"}
-        How a microcontroller compensates it: in its tables, with a further input, or not at all.
-    firmware_detail : str or None
-        The further input, or the reason for the refusal.
-    """
+    """What is known about an effect: a deviation of a real sensor from its simulation."""
 
     id: str
+    """Name in models, files and messages."""
     stage: str
+    # sentence, formula, source: description, formula and source; primed symbols are the values after the
+    # effect
+    """Stage of the measurement chain at which it acts."""
     sentence: str
     formula: str
     source: str
     reads: tuple[str, ...]
+    # requires, excludes: quantities that must, or must not, be recorded; otherwise the effect has no meaning
+    """Influence quantities that it depends on."""
     requires: tuple[str, ...]
     excludes: tuple[str, ...]
     supplies: str | None
+    """Quantity whose influence it adds: a law that reads that quantity refuses the effect."""
     calls: str | None
+    """Law that its formula uses: the effect holds where that law holds."""
     extends: tuple[str, ...]
+    """The only laws that it can extend; empty where it extends any."""
     parameters: tuple[Parameter, ...]
+    """In the order of `Model.parameter_names`."""
     edges: bool
+    """Whether its formula has edges, where a derivative jumps."""
     recurs: bool
+    # domain, check: where it holds, and the measurement that confirms or refutes it
+    """Whether it also applies to another campaign. Effects that began or grew during one do not."""
     domain: str
     check: str
     firmware: Literal["folded", "needs", "refused"]
+    """How a microcontroller compensates it: in its tables, with a further input, or not at all; one of
+    {"folded", "needs", "refused"}."""
     firmware_detail: str | None
+    """The further input, or the reason for the refusal."""
 
     @classmethod
     def from_core(cls, facts: dict[str, Any]) -> "Effect":
@@ -156,10 +140,7 @@ def effects() -> tuple[Effect, ...]:
 def find_effect(id_: str) -> Effect:
     """Return the effect of this id.
 
-    Raises
-    ------
-    UsageError
-        If there is none; the text suggests the nearest.
+    Raises `UsageError` if there is none; the text suggests the nearest.
 
     Examples
     --------

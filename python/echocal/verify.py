@@ -18,10 +18,9 @@ from echocal.budget.stated import Uncertainties
 from echocal.errors import DataError, DataWarning, UsageError
 from echocal.model import Model
 from echocal.observations import Observations
-from echocal.observations.at import sentences
+from echocal.observations.at import sentences, shifted, uncertain
 from echocal.observations.correction import base_indication, corrected_distance, outside_smooth
 from echocal.observations.given import observed
-from echocal.observations.stated import shifted, uncertain
 from echocal.shown import Shown
 from echocal.sweep import Range, sweep
 

@@ -11,7 +11,7 @@ from toolchain import C_COMPILERS, STRICT, run
 from echocal import silicon
 from echocal.firmware import Firmware
 from echocal.silicon.board import MODE
-from echocal.silicon.qemu import Qemu
+from echocal.silicon.cores import Qemu
 
 PASSED, FAILED = "echocal self-test: passed\n", "echocal self-test: FAILED\n"
 

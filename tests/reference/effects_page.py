@@ -8,9 +8,9 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 
+from echocal.cli.effects import DISTANCE, TEMPERATURES, facts, millimeters, typical_errors
 from echocal.diagnose.catalogue import irregularities
 from echocal.diagnose.findings.facts import CauseFacts
-from echocal.model.summary import DISTANCE, TEMPERATURES, facts, millimeters, typical_errors
 from echocal.registry import Effect, Parameter, effects
 
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "effects.md"

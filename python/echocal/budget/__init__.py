@@ -1,5 +1,6 @@
 """Uncertainty budgets of corrected distances: JCGM 100, JCGM 101."""
 
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -10,19 +11,18 @@ from numpy.typing import NDArray
 from echocal._verb import callable_as
 from echocal.budget.coverage import COVERAGE, checked_coverage
 from echocal.budget.entries import Itemized, itemized
-from echocal.budget.grid import observations_of
 from echocal.budget.monte_carlo import MonteCarlo, simulated
 from echocal.budget.result import Budget
-from echocal.budget.rows import some
 from echocal.budget.stated import PUBLISHED, Uncertainties
-from echocal.errors import DataError, UsageError
+from echocal.errors import DataError, UsageError, among
 from echocal.keywords import keyword
 from echocal.model import Model
-from echocal.observations.at import sentences
+from echocal.observations import Observations
+from echocal.observations.at import sentences, uncertain
 from echocal.observations.correction import corrected_distance
 from echocal.observations.given import READ_OPTIONS, observed
-from echocal.observations.stated import uncertain
 from echocal.quantities import QUANTITIES
+from echocal.sweep.grid import axis
 
 __all__ = ["Budget", "budget"]
 
@@ -33,6 +33,7 @@ TRIALS = 10_000
 
 _DRAWN_ROWS = 50
 """Rows that are drawn; a simulation of one takes as long as a diagnosis of ten thousand."""
+_LARGEST = 100_000
 
 
 def budget(
@@ -201,3 +202,56 @@ def _notes(
             f"the model does not read {ignored[0].replace('_', ' ')}, so its uncertainty adds nothing"
         )
     return notes
+
+
+def observations_of(model: Model, given: dict[str, Any]) -> Observations:
+    """Rows for every combination of distances and conditions; the last one changes fastest.
+
+    Raises
+    ------
+    UsageError
+        If a name or a range cannot be understood, or there are too many combinations.
+    """
+    known = ("distance", *QUANTITIES)
+    for name in given:
+        if name not in known:
+            message = f"{keyword(name)}: no such condition{among(name, known, 'there are')}"
+            raise UsageError(message)
+    if "distance" not in given:
+        message = f"give readings, or the distances of a grid: {keyword('distance', 2)}"
+        raise UsageError(message)
+    axes = {name: np.atleast_1d(axis(name, own)) for name, own in given.items()}
+    count = np.prod([float(len(values)) for values in axes.values()])
+    if count > _LARGEST:
+        message = f"{count:.0f} combinations are more than {_LARGEST}; take larger steps"
+        raise UsageError(message)
+    grid = dict(zip(axes, map(np.ravel, np.meshgrid(*axes.values(), indexing="ij")), strict=True))
+    distance = grid.pop("distance")
+    indication = np.asarray(model.indicate(distance, **grid))
+    echo = np.asarray(Model(model.law).time_of_flight(indication, **grid))
+    columns = {column: grid[name] for name, column in model.columns.items() if name in grid}
+    conditions = {name: values for name, values in grid.items() if name not in model.columns}
+    return Observations(echo, conditions, None, np.full(len(distance), ""), thermometers=columns)
+
+
+def some(observations: Observations, places: NDArray[np.int64]) -> Observations:
+    """The observations of some rows."""
+
+    def of(columns: Mapping[str, Any]) -> dict[str, Any]:
+        return {name: values[places] for name, values in columns.items()}
+
+    def optional(values: Any) -> Any:
+        return None if values is None else values[places]
+
+    return replace(
+        observations,
+        echo_time=observations.echo_time[places],
+        conditions=of(observations.conditions),
+        reference_distance=optional(observations.reference_distance),
+        unusable=observations.unusable[places],
+        reading=optional(observations.reading),
+        time=optional(observations.time),
+        labels=of(observations.labels),
+        extra=of(observations.extra),
+        thermometers=of(observations.thermometers),
+    )

@@ -12,8 +12,8 @@ from echocal.budget.sources import LAW, TAPE
 from echocal.budget.stated import Uncertainties
 from echocal.model import Model
 from echocal.observations import Observations
+from echocal.observations.at import uncertain
 from echocal.observations.echoes import DEFAULT_SPEED
-from echocal.observations.stated import uncertain
 from echocal.quantities import FROM_THERMOMETERS
 
 __all__ = ["Conformity", "assessed", "budget_of_errors", "without_effect"]
@@ -23,30 +23,14 @@ Column = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Conformity:
-    """What a measurement decides about errors, one for each row.
+    """What a measurement decides about errors, one for each row."""
 
-    Attributes
-    ----------
-    error : ndarray, shape (n,)
-        Measured errors [m]; 0 where there is no reference distance.
-    standard_uncertainty : ndarray, shape (n,)
-        Of these errors [m].
-    expanded_uncertainty : ndarray, shape (n,)
-        Width of the guard band [m].
-    decision : ndarray of int, shape (n,)
-        Place in `echocal.budget.coverage.DECISIONS`.
-    probability : ndarray, shape (n,)
-        That the true error is within the bound.
-    bound : float
-        Maximum permissible error [m].
-    """
-
-    error: Column
-    standard_uncertainty: Column
-    expanded_uncertainty: Column
-    decision: NDArray[np.int64]
-    probability: Column
-    bound: float
+    error: Column  # measured errors [m]; 0 where there is no reference distance; shape (n,)
+    standard_uncertainty: Column  # of these errors [m]; shape (n,)
+    expanded_uncertainty: Column  # width of the guard band [m]; shape (n,)
+    decision: NDArray[np.int64]  # place in `echocal.budget.coverage.DECISIONS`; shape (n,)
+    probability: Column  # that the true error is within the bound; shape (n,)
+    bound: float  # maximum permissible error [m]
 
 
 def assessed(error: Column, itemized_error: Itemized, bound: float, coverage: float = COVERAGE) -> Conformity:
@@ -85,7 +69,6 @@ def budget_of_errors(
         The model that corrects; None for the indications as they are.
     indication : ndarray, shape (n,)
         [m].
-    uncertainties : Uncertainties, or what makes them
     law : str
         Law that turns echo times into indications, where the table has no readings and there is no model.
     """

@@ -1,5 +1,6 @@
 """Expanded uncertainty, and what it decides: JCGM 100:2008, annex G, and JCGM 106:2012."""
 
+import math
 from math import inf
 from numbers import Real
 
@@ -16,6 +17,8 @@ __all__ = [
     "conformity_probability",
     "coverage_factor",
     "decided",
+    "plus_minus",
+    "rounded_up",
 ]
 
 Column = NDArray[np.float64]
@@ -24,6 +27,8 @@ COVERAGE = 0.9545
 """Coverage probability that gives k = 2 for a normal distribution."""
 
 DECISIONS = ("conforms", "undecided", "does not conform")
+_CUT = 0.01
+"""Part of an uncertainty that rounding may cut off: 7.2.6 has 28.05 -> 28 (0.2 %) and 10.47 -> 11 (4 %)."""
 
 
 def checked_coverage(coverage: float) -> float:
@@ -61,7 +66,6 @@ def conformity_probability(
         Measured error [m]; 0 where none was measured.
     uncertainty : ndarray
         Its standard uncertainty [m].
-    degrees_of_freedom : ndarray
     bound : float
         Maximum permissible error [m].
 
@@ -97,3 +101,38 @@ def decided(error: Column, expanded: Column, bound: float) -> NDArray[np.int64]:
     """
     size = np.abs(error)
     return np.where(size <= bound - expanded, 0, np.where(size > bound + expanded, 2, 1))
+
+
+def rounded_up(uncertainty: float, digits: int = 2) -> tuple[float, int]:
+    """An uncertainty with so many significant digits, and the power of ten of the last one.
+
+    It is rounded to the nearest, but up where this would cut off more than 1 %.
+
+    Examples
+    --------
+    >>> rounded_up(10.47), rounded_up(28.05), rounded_up(0.0999)
+    ((11.0, 0), (28.0, 0), (0.1, -2))
+    """
+    exponent = math.floor(math.log10(uncertainty)) + 1 - digits
+    steps = uncertainty / 10.0**exponent
+    whole = round(steps)
+    if steps - whole > _CUT * steps:
+        whole += 1
+    if whole >= 10**digits:
+        whole, exponent = round(whole / 10), exponent + 1
+    return float(f"{whole}e{exponent}"), exponent
+
+
+def plus_minus(value: float, uncertainty: float, unit: str = "") -> str:
+    """A value and its expanded uncertainty, both to the same digit; without one, three decimals.
+
+    Examples
+    --------
+    >>> plus_minus(2.003871, 0.001234, "m"), plus_minus(-3.10393, 0.0, "mm")
+    ('2.0039 ± 0.0013 m', '-3.104 mm')
+    """
+    if not (uncertainty > 0.0 and math.isfinite(uncertainty) and math.isfinite(value)):
+        return f"{round(value, 3) + 0.0:.6g} {unit}".rstrip()
+    size, exponent = rounded_up(uncertainty)
+    decimals = max(-exponent, 0)
+    return f"{round(value, -exponent):.{decimals}f} ± {size:.{decimals}f} {unit}".rstrip()

@@ -7,12 +7,13 @@ import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from math import inf
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.budget.law import published
-from echocal.budget.sources import ECHOES, LAW, TAPE, Source
+from echocal._core import speed_of_sound
+from echocal.budget.sources import ECHOES, LAW, TAPE, Source, of_law
 from echocal.budget.stated import Uncertainties
 from echocal.errors import DataError, DomainWarning
 from echocal.model import Model
@@ -30,44 +31,31 @@ Column = NDArray[np.float64]
 
 OWN = ("parameters", "shape", "residual")
 """Groups of entries that the model itself brings; entries that a user states have the group ``stated``."""
+_CRAMER = 300e-6
+"""Cramer 1993, doi:10.1121/1.405827: 300 ppm."""
+_VIRIAL = 110e-6
+"""Of `virial` up to a mole fraction of water of 0.06: 43 ppm from two formulations of moist air, and these
+65 ppm from each other (docs/physics.md)."""
+_HUMIDITIES = (0.0, 0.5, 1.0)
+"""Where none is recorded."""
+_CARRIER = 40e3  # Hz
+_READ = ("temperature", "pressure", "co2_mole_fraction")
 
 
 @dataclass(frozen=True)
 class Entry:
-    """A line of a budget.
+    """A line of a budget."""
 
-    Attributes
-    ----------
-    quantity : str
-        Input quantity.
-    words : str
-        Source, as a person reads it.
-    evaluation : str
-        Type ``A`` or ``B`` (JCGM 100:2008, 4.2 and 4.3).
-    distribution : str
-        ``normal``, ``t`` or ``rectangular``.
-    standard_uncertainty : ndarray, shape (n,)
-        Of the input quantity [`unit`].
-    unit : str
-    sensitivity : ndarray, shape (n,)
-        Change of the distance with the quantity [m per unit].
-    degrees_of_freedom : float
-    group : str
-        ``parameters``, ``shape``, ``residual`` or ``stated``.
-    origin : str
-        Where the number is from.
-    """
-
-    quantity: str
-    words: str
-    evaluation: str
-    distribution: str
-    standard_uncertainty: Column
+    quantity: str  # input quantity
+    words: str  # source, as a person reads it
+    evaluation: str  # type ``A`` or ``B`` (JCGM 100:2008, 4.2 and 4.3)
+    distribution: str  # ``normal``, ``t`` or ``rectangular``
+    standard_uncertainty: Column  # of the input quantity [`unit`]; shape (n,)
     unit: str
-    sensitivity: Column
+    sensitivity: Column  # change of the distance with the quantity [m per unit]; shape (n,)
     degrees_of_freedom: float = inf
-    group: str = "stated"
-    origin: str = ""
+    group: str = "stated"  # ``parameters``, ``shape``, ``residual`` or ``stated``
+    origin: str = ""  # where the number is from
 
     @property
     def contribution(self) -> Column:
@@ -317,3 +305,32 @@ def _with(
     if quantity in columns:
         return replace(observations, thermometers={**observations.thermometers, columns[quantity]: values})
     return replace(observations, conditions={**observations.conditions, quantity: values})
+
+
+def published(model: Model, given: dict[str, Column], count: int) -> tuple[Source, Column]:
+    """Source of a model's law, and its half-width relative to the speed of sound, shape (n,).
+
+    For Cramer's law inside of its domain it is what its author states. For any other law it is the
+    difference from `virial`, over the humidity that is recorded, else over every humidity, and the
+    uncertainty of `virial` in addition. At 40 kHz sound is faster than the laws say, if the model has no
+    `dispersion`: this is part of the difference.
+    """
+    air: dict[str, Any] = {name: given[name] for name in _READ if name in given}
+    air = {**{name: own for name, own in model.air.items() if name in _READ}, **air}
+    humid = given.get("relative_humidity", model.air.get("relative_humidity"))
+    frequency = 0.0 if "dispersion" in model.effects else _CARRIER
+    law = Model(model.law)
+    worst = np.zeros(count)
+    with warnings.catch_warnings(action="ignore", category=DomainWarning):
+        for humidity in _HUMIDITIES if humid is None else (humid,):
+            true = speed_of_sound(**air, relative_humidity=humidity, law="virial", frequency=frequency)
+            assumed = given.get("relative_humidity", model.air.get("relative_humidity", 0.0))
+            own = law.speed_of_sound(1.0, **air, relative_humidity=assumed)
+            worst = np.maximum(worst, np.abs(np.asarray(own) / true - 1.0))
+    half = worst + _VIRIAL
+    words = "difference from virial at 40 kHz, and 110 ppm of virial itself"
+    if model.law == "cramer":
+        half = np.maximum(half, _CRAMER)
+        words = f"Cramer 1993: 300 ppm, or where it is more, the {words}"
+    law_words = "law of the speed of sound" + (", humidity not recorded" if humid is None else "")
+    return replace(of_law(0.0, words), words=law_words), np.broadcast_to(half, (count,))

@@ -21,35 +21,23 @@ _RECTANGULAR = 3.0**0.5
 
 @dataclass(frozen=True)
 class Source:
-    """Something that makes an input quantity uncertain.
-
-    Attributes
-    ----------
-    quantity : str
-        The input quantity: an influence quantity, ``echo_time``, ``reading``, ``speed_of_sound`` or
-        ``reference_distance``.
-    words : str
-        What a person reads.
-    distribution : str
-        ``normal`` or ``rectangular``.
-    size : float
-        Standard uncertainty, or half-width of the limits [SI; of the speed of sound relative].
-    limits : Limits, optional
-        Half-width that depends on the value.
-    tape : str
-        Class of a tape; empty for none.
-    origin : str
-        Where the number is from.
-    degrees_of_freedom : float
-    """
+    """Something that makes an input quantity uncertain."""
 
     quantity: str
+    """The input quantity: an influence quantity, ``echo_time``, ``reading``, ``speed_of_sound`` or
+    ``reference_distance``."""
     words: str
+    """What a person reads."""
     distribution: str
+    """``normal`` or ``rectangular``."""
     size: float = 0.0
+    """Standard uncertainty, or half-width of the limits [SI; of the speed of sound relative]."""
     limits: Limits | None = None
+    """Half-width that depends on the value."""
     tape: str = ""
+    """Class of a tape; empty for none."""
     origin: str = "stated"
+    """Where the number is from."""
     degrees_of_freedom: float = inf
 
     def standard_uncertainty(self, values: Column) -> Column:

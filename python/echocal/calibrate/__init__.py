@@ -10,20 +10,15 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from echocal._verb import callable_as
-from echocal.calibrate.chain import Chain
-from echocal.calibrate.form import Column, Columns, Form, Parameter
-from echocal.calibrate.losses import LOSSES
-from echocal.calibrate.problem import Problem
-from echocal.calibrate.regression import Regression
+from echocal.calibrate.problem import LOSSES, Column, Columns, Form, Parameter, Problem, solve
+from echocal.calibrate.regression import Chain, Regression
 from echocal.calibrate.result import Calibration, Estimate, Prediction
-from echocal.calibrate.solve import solve
 from echocal.errors import DataError, UsageError
 from echocal.model import Model, ResidualUncertainty
 from echocal.observations import Observations
-from echocal.observations.at import sentences
+from echocal.observations.at import sentences, shifted, uncertain
 from echocal.observations.given import observed
 from echocal.observations.quantization_grid import find_grid
-from echocal.observations.stated import shifted, uncertain
 
 __all__ = ["Calibration", "Estimate", "Form", "Parameter", "Prediction", "Regression", "calibrate"]
 

@@ -1,18 +1,24 @@
 """Data-driven forms: regressions in columns of the table, calibrated like a physical model."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.calibrate.form import Column, Columns, Parameter
+from echocal import _core
+from echocal.calibrate.problem import Column, Columns, Parameter
+from echocal.conditions import columns as broadcast
 from echocal.errors import DataError, UsageError, among
 from echocal.model import Model
 from echocal.observations import Observations
-from echocal.quantities import QUANTITIES
+from echocal.quantities import FROM_THERMOMETERS, QUANTITIES
+from echocal.registry import find_effect
 
-__all__ = ["Regression", "indication"]
+__all__ = ["Chain", "Regression", "indication"]
+
+LAW = {"law.intercept": ("speed_intercept", "intercept"), "law.slope": ("speed_slope", "slope")}
+"""A law's coefficient moves as the effect that deviates nature's law from the device's."""
 
 UNITS = {name: quantity.unit for name, quantity in QUANTITIES.items()} | {"distance": "m", "echo_time": "s"}
 
@@ -174,3 +180,133 @@ def _column(observations: Observations, name: str) -> Column:
         message = f"the table has no column '{name}'{among(name, known)}"
         raise DataError(message)
     return known[name]
+
+
+class Chain:
+    """A `Model` with some of its parameters free.
+
+    Parameters
+    ----------
+    model : Model
+        The model; its own values are where the search begins.
+    fit : iterable of str
+        ``"fixed_delay.delay"``, ``"fixed_delay"`` for all its parameters, ``"law.intercept"``
+        and ``"law.slope"`` where the law is linear. An effect that the model lacks is added.
+
+    Raises
+    ------
+    UsageError
+        If a name is unknown or repeated, or the law has no such coefficient.
+    """
+
+    unit = "m"
+    has_intercept = True
+    linear = False
+
+    def __init__(self, model: Model, fit: Iterable[str]) -> None:
+        model.refuse_shape("a calibration")
+        self.model = model
+        self.names = [name for request in fit for name in _expand(request)]
+        if not self.names or len(set(self.names)) < len(self.names):
+            message = f"fit needs distinct parameters, e.g. ['zero_error.offset']; got {self.names}"
+            raise UsageError(message)
+        self._law = self._coefficients() if LAW.keys() & set(self.names) else {}
+        self._keys = [LAW.get(name, tuple(name.split("."))) for name in self.names]
+        self.parameters = [self._parameter(name) for name in self.names]
+        start = np.array([parameter.start for parameter in self.parameters])
+        self._columns = model.given_columns
+        self._extended = Model(model.law, self._effects(start), air=model.air, columns=self._columns)
+        order = self._extended.parameter_names
+        self._picked = [1 + order.index(".".join(key)) for key in self._keys]
+
+    def observed(self, observations: Observations) -> Column:
+        """Return what the device indicated with the model's law [m]."""
+        return indication(observations, Model(self.model.law, air=self.model.air))
+
+    def columns(self, observations: Observations) -> Columns:
+        """Return the reference distance and the recorded conditions, checked against the model."""
+        distance = observations.reference_distance
+        if distance is None:
+            message = "calibration needs a reference distance; add a column distance_m, _cm or _mm"
+            raise DataError(message)
+        used = observations.usable
+        self._columns = {**self._only_thermometer(observations), **self._columns}
+        self._extended = Model(
+            self.model.law, self._extended.effects, air=self.model.air, columns=self._columns
+        )
+        given = {**observations.conditions, **observations.bound(self._extended.columns)}
+        at = {name: column[used] for name, column in given.items()}
+        self._extended.indicate(distance[used], **at)  # refuses or warns as the model does, once
+        return {"distance": distance, **given}
+
+    def _only_thermometer(self, observations: Observations) -> dict[str, str]:
+        """Where a table has one further thermometer, the effects that read one read this one."""
+        names = list(observations.thermometers)
+        return {} if len(names) != 1 else dict.fromkeys(FROM_THERMOMETERS, names[0])
+
+    def evaluate(self, values: Column, columns: Columns) -> tuple[Column, NDArray[np.float64]]:
+        """Return the indication [m] and the core's exact derivatives."""
+        effects = [(id_, list(own.items())) for id_, own in self._effects(values).items()]
+        core = _core.Model(self.model.law, effects)
+        given = {name: column for name, column in columns.items() if name != "distance"}
+        shape, (distance, *rest) = broadcast(columns["distance"], {**self.model.air, **given})
+        derivatives = core.jacobian(distance, rest)[:, self._picked]
+        return core.indicate(distance, rest).reshape(shape), derivatives.reshape(*shape, -1)
+
+    def fitted(self, values: Column, covariance: NDArray[np.float64]) -> Model:
+        """Return the model with these values and their covariance; coefficients go into the law."""
+        effects = self._effects(values)
+        moved = {name: float(value) for name, value in zip(self.names, values, strict=True) if name in LAW}
+        coefficients = self._law | moved
+        for name in moved:
+            del effects[LAW[name][0]]
+        law = (
+            f"{coefficients['law.intercept']!r}{coefficients['law.slope']:+.17g}*T"
+            if moved
+            else self.model.law
+        )
+        model = Model(law, effects, air=self.model.air, columns=self._columns)
+        kept = [index for index, name in enumerate(self.names) if name not in LAW]
+        if kept:
+            places = [model.parameter_names.index(self.names[index]) for index in kept]
+            whole = np.zeros((len(model.parameter_names),) * 2)
+            whole[np.ix_(places, places)] = covariance[np.ix_(kept, kept)]
+            model = Model(law, effects, air=self.model.air, covariance=whole, columns=self._columns)
+        return model
+
+    def _effects(self, values: Column) -> dict[str, dict[str, float]]:
+        effects = {id_: dict(parameters) for id_, parameters in self.model.effects.items()}
+        for name, (effect, parameter), value in zip(self.names, self._keys, values, strict=True):
+            effects.setdefault(effect, {})[parameter] = float(value) - self._law.get(name, 0.0)
+        return effects
+
+    def _parameter(self, name: str) -> Parameter:
+        effect, parameter = self._keys[self.names.index(name)]
+        if name in LAW and effect in self.model.effects:
+            message = f"cannot fit '{name}': the model already has {effect}, which acts alike"
+            raise UsageError(message)
+        facts = next(p for p in find_effect(effect).parameters if p.name == parameter)
+        value = self.model.effects.get(effect, {}).get(parameter, facts.neutral)
+        shift = self._law.get(name, 0.0)
+        low, high = facts.bounds
+        return Parameter(name, facts.unit, value + shift, (low + shift, high + shift), facts.prior_scale)
+
+    def _coefficients(self) -> dict[str, float]:
+        """Coefficients of the linear law: its speed at 0 degC and per degree, from the core."""
+        bare = Model(self.model.law)
+        facts = {law["id"]: law["reads"] for law in _core.laws()}
+        if facts.get(bare.law, ["temperature"]) != ["temperature"]:
+            message = f"law '{bare.law}' has no coefficients to fit; use a linear one, e.g. '331.3+0.606*T'"
+            raise UsageError(message)
+        at_zero, at_one = bare.speed_of_sound(1.0, temperature=np.array([0.0, 1.0]))
+        return {"law.intercept": float(at_zero), "law.slope": float(at_one - at_zero)}
+
+
+def _expand(request: str) -> list[str]:
+    """Names that a request means: one parameter, or all of an effect or of the law."""
+    id_, _, parameter = request.partition(".")
+    names = list(LAW) if id_ == "law" else [f"{id_}.{facts.name}" for facts in find_effect(id_).parameters]
+    if parameter and request not in names:
+        message = f"cannot fit '{request}'; {id_} has: {', '.join(names)}"
+        raise UsageError(message)
+    return [request] if parameter else names

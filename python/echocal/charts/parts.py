@@ -19,22 +19,15 @@ _MARGIN = 0.04  # of the range of an axis, on each side
 
 @dataclass(frozen=True)
 class Axis:
-    """An axis.
-
-    Attributes
-    ----------
-    label : str
-        What it shows, with the unit in brackets.
-    low, high : float
-        Ends of what is shown first.
-    begin : datetime64, optional
-        Where the values are seconds since an instant: this instant. Dates are shown then.
-    """
+    """An axis."""
 
     label: str
+    # low, high: ends of what is shown first
+    """What it shows, with the unit in brackets."""
     low: float
     high: float
     begin: np.datetime64 | None = None
+    """Where the values are seconds since an instant: this instant. Dates are shown then."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,25 +97,13 @@ class Bar:
 
 @dataclass(frozen=True)
 class Bars:
-    """Bars that begin at zero.
-
-    Attributes
-    ----------
-    title : str
-    label : str
-        What the length of a bar is, with the unit in brackets.
-    bars : sequence of Bar
-    most : float
-        End of the axis; no bar is longer.
-    notes : sequence of str
-        What is said of it, without periods.
-    """
+    """Bars that begin at zero."""
 
     title: str
-    label: str
+    label: str  # what the length of a bar is, with the unit in brackets
     bars: Sequence[Bar] = field(default_factory=tuple)
-    most: float = 1.0
-    notes: Sequence[str] = ()
+    most: float = 1.0  # end of the axis; no bar is longer
+    notes: Sequence[str] = ()  # what is said of it, without periods
 
 
 def span(values: Sequence[Column] | Column) -> tuple[float, float]:

@@ -11,9 +11,9 @@ from typer.core import TyperGroup
 
 from echocal._core import __version__
 from echocal._interrupt import unwind_when_told
+from echocal.cli._console import visible, write_what_can_be_written
 from echocal.cli._options import refuse_useless
 from echocal.cli._outputs import telling_what_is_written
-from echocal.cli._terminal import visible, write_what_can_be_written
 from echocal.errors import DataError, EchocalError
 from echocal.keywords import naming
 

@@ -34,7 +34,7 @@ def _draw(rows: list[dict[str, Any]], path: Path) -> None:
     from matplotlib.figure import Figure
 
     from echocal.plots.choices import plot_choices
-    from echocal.plots.files import save_figure
+    from echocal.plots.draw import save_figure
 
     figure = Figure(figsize=(8.0, 5.0), layout="constrained")
     plot_choices(rows, figure.add_subplot())

@@ -14,7 +14,7 @@ from echocal.cli._brief import follow_up, print_brief, print_commands, without_e
 from echocal.cli._console import Console
 from echocal.cli._options import options_text, written_by_us
 from echocal.cli._outputs import Force, Output, Quiet, check_outputs, written
-from echocal.cli._pool import bar
+from echocal.cli._several import tables_bar
 from echocal.cli._tables import AS_IT_IS, Given, Json, from_stdin, noted, reading_options, write_json
 from echocal.cli.diagnose import (
     Base,
@@ -116,7 +116,7 @@ def command(
     found = _settled(source, known, yes, Console(stderr=True))
     with writing(out):
         out.mkdir(parents=True, exist_ok=True)
-    with bar(quiet) as shown, noted(quiet, DomainWarning):
+    with tables_bar(quiet) as shown, noted(quiet, DomainWarning):
         task = shown.add_task("reading", total=None)
         diagnosis = diagnose(
             source,

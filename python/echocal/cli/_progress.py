@@ -4,28 +4,33 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from time import monotonic
 
-from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
+from rich.progress import (
+    BarColumn,
+    Progress,
+    ProgressColumn,
+    TaskProgressColumn,
+    TextColumn,
+    TimeRemainingColumn,
+)
 
 from echocal.cli._console import Console
 from echocal.correct.driver import Progress as State
 
-__all__ = ["counted_bar", "rows_bar"]
+__all__ = ["bar", "counted_bar", "rows_bar"]
+
+
+def bar(quiet: bool, *columns: ProgressColumn) -> Progress:
+    """Progress bar on a terminal with what it does, the bar and further columns; none in a log or a pipe."""
+    console = Console(stderr=True)
+    shown = (TextColumn("{task.description}"), BarColumn(), *columns)
+    return Progress(*shown, console=console, transient=True, disable=quiet or not console.is_terminal)
 
 
 @contextmanager
 def rows_bar(quiet: bool) -> Iterator[Callable[[State], None]]:
-    """Progress bar on a terminal; none in a log or a pipe."""
-    console = Console(stderr=True)
-    columns = (
-        TextColumn("{task.description}"),
-        BarColumn(),
-        TaskProgressColumn(),
-        TextColumn("{task.fields[speed]}"),
-        TimeRemainingColumn(),
-    )
-    with Progress(
-        *columns, console=console, transient=True, disable=quiet or not console.is_terminal
-    ) as shown:
+    """Progress bar of files, with rows a second."""
+    columns = (TaskProgressColumn(), TextColumn("{task.fields[speed]}"), TimeRemainingColumn())
+    with bar(quiet, *columns) as shown:
         task = shown.add_task("correcting", total=None, speed="")
         begun = monotonic()
 
@@ -46,11 +51,7 @@ def rows_bar(quiet: bool) -> Iterator[Callable[[State], None]]:
 
 @contextmanager
 def counted_bar(quiet: bool, what: str) -> Iterator[Callable[[int, int], None]]:
-    """Progress bar that is told the number done and that of all; none in a log or a pipe."""
-    console = Console(stderr=True)
-    columns = (TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(), TimeRemainingColumn())
-    with Progress(
-        *columns, console=console, transient=True, disable=quiet or not console.is_terminal
-    ) as shown:
+    """Progress bar that is told the number done and that of all."""
+    with bar(quiet, TaskProgressColumn(), TimeRemainingColumn()) as shown:
         task = shown.add_task(what, total=None)
         yield lambda done, total: shown.update(task, total=max(total, 1), completed=done)

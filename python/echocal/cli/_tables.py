@@ -16,7 +16,7 @@ import typer
 from echocal.cli._console import Console
 from echocal.cli._options import Options, added, from_stdin
 from echocal.cli._outputs import Quiet, pass_on
-from echocal.engines.names import ENGINES
+from echocal.engines import ENGINES
 from echocal.errors import DataWarning, DomainWarning, UsageError
 from echocal.observations import Observations, read_observations
 from echocal.observations.options import ReadOptions

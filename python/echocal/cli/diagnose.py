@@ -6,7 +6,7 @@ from typing import Annotated, TypeAlias
 
 import typer
 
-from echocal.cli import _fleet, _made_by, _pool
+from echocal.cli import _made_by, _several
 from echocal.cli._brief import follow_up, print_brief, without_evidence
 from echocal.cli._complete import bases
 from echocal.cli._console import Console
@@ -35,7 +35,7 @@ from echocal.cli._tables import (
     write_json,
 )
 from echocal.diagnose import Diagnosis, diagnose
-from echocal.engines.names import ENGINES
+from echocal.engines import ENGINES
 from echocal.errors import DomainWarning, UsageError
 from echocal.model import Model
 from echocal.outputs import csv_text, replace_text
@@ -183,8 +183,8 @@ def command(
     """Name what the base simulation gets wrong, and measure what the extended model gains."""
     data = from_stdin(data)
     model = _renamed(save_model, model, quiet)
-    tables, ranges = _pool.told_apart(more)
-    is_fleet = _fleet.is_fleet([data, *tables], output)
+    tables, ranges = _several.told_apart(more)
+    is_fleet = _several.is_fleet([data, *tables], output)
     _refuse_fleet_options(is_fleet)
     if is_fleet or tables or by is not None:
         alone = {
@@ -206,27 +206,27 @@ def command(
             "seed": seed,
         }
         if is_fleet:
-            _fleet.refuse_options(alone)
-            _fleet.diagnose_sensors(
+            _several.refuse_options(alone, is_fleet=True)
+            _several.diagnose_sensors(
                 [data, *tables],
                 by,
                 used,
                 {**request, "base": base, "hold_out_after": _time(hold_out_after)},
                 reading.given(),
-                _fleet.Outputs(output, models, results, plots, json, plot_format, report),
-                _fleet.How(kind, memory, workers, engine or "local", spreadsheet_safe),
+                _several.Outputs(models, plots, json, plot_format, report, output, results),
+                _several.How(kind, memory, workers, engine or "local", spreadsheet_safe),
                 force=force,
                 quiet=quiet,
             )
             return
-        _pool.refuse_options({**alone, "--hold-out-after": hold_out_after})
-        _pool.diagnose_tables(
+        _several.refuse_options({**alone, "--hold-out-after": hold_out_after}, is_fleet=False)
+        _several.diagnose_tables(
             [data, *tables],
             by,
             used,
             {**request, "base": base_of(base)},
             reading.given(),
-            _pool.Outputs(models, plots, json, plot_format, report),
+            _several.Outputs(models, plots, json, plot_format, report),
             words=reading_words(reading),
             force=force,
             quiet=quiet,
@@ -243,7 +243,7 @@ def command(
         folder=plots,
         force=force,
     )
-    with _pool.bar(quiet) as bar, noted(quiet, DomainWarning):  # the notes repeat each DataWarning
+    with _several.tables_bar(quiet) as bar, noted(quiet, DomainWarning):  # the notes repeat each DataWarning
         task = bar.add_task("reading", total=None)
         diagnosis = diagnose(
             data,
@@ -332,7 +332,7 @@ def _pictures(folder: Path | None, form: str) -> list[Output]:
     if folder is None:
         return []
     from echocal.plots.diagnosis import PICTURES  # matplotlib takes a second to import
-    from echocal.plots.files import in_form
+    from echocal.plots.draw import in_form
 
     return made_in(folder, "--plots", in_form(PICTURES, form), _made_by.picture("diagnose"))
 

@@ -100,8 +100,8 @@ def command(
         )
     _write(file, echoes, full_scale, out, json)
     if plot is not None:
+        from echocal.plots.draw import save_figure
         from echocal.plots.echo_times import echo_times_figure
-        from echocal.plots.files import save_figure
 
         save_figure(echo_times_figure(echoes, waveform, rate), plot, "echo-times")
     if not quiet and json != "-":

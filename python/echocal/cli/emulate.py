@@ -165,7 +165,7 @@ def _parts(found: Emulation, model: Model | None) -> dict[str, dict[str, float]]
 
 
 def _plot(found: Emulation, path: Path, row: int, seed: int | None) -> None:
-    from echocal.plots.files import save_figure
+    from echocal.plots.draw import save_figure
     from echocal.plots.waveform import waveform_figure
     from echocal.virtual_bench.echo_time import scene_of
 

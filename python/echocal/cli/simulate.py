@@ -62,7 +62,7 @@ def command(
 
     made = simulate(design, _sizes(cause or []), seed=seed, detector=detector)
     if waveform is not None:
-        from echocal.plots.files import save_figure
+        from echocal.plots.draw import save_figure
         from echocal.plots.waveform import waveform_figure
 
         figure = waveform_figure(made.scene, made.campaign.sensor, row=row, seed=seed)

@@ -63,7 +63,7 @@ def command(
     else:
         report.show(found, console)
         if answer is not None:
-            from echocal.study.question.report import show
+            from echocal.study.question.page import show
 
             show(answer, console)
     if out is not None:
@@ -97,20 +97,20 @@ def _answer(out: Path | None, *, emulated: bool, quiet: bool) -> "Answer | None"
 def _document(found: "Study", answer: "Answer | None") -> dict[str, Any]:
     if answer is None:
         return found.to_dict()
-    from echocal.study.question import report
+    from echocal.study.question import page
 
-    return found.to_dict() | {"question": report.document(answer)}
+    return found.to_dict() | {"question": page.document(answer)}
 
 
 def _write(found: "Study", answer: "Answer | None", out: Path) -> None:
-    from echocal.study import diagnosed, document, figures
+    from echocal.study import diagnosed, figures, report
     from echocal.study.question import page, picture
 
     with writing(out):
         figures.save(found, out)
         if answer is not None:
             picture.save(answer, out)
-    texts = [document.render(found), diagnosed.render(diagnosed.ask(found.tables))]
+    texts = [report.render(found), diagnosed.render(diagnosed.ask(found.tables))]
     texts += [page.render(answer)] if answer is not None else []
     for name, text in zip(PAGES, texts, strict=False):
         replace_text(out / name, text)

@@ -13,8 +13,7 @@ from echocal.cli._models import Effects, model_of
 from echocal.cli._outputs import Force, Output, check_outputs
 from echocal.cli._tables import Json, Quiet, noted, write_json
 from echocal.errors import UsageError
-from echocal.sweep import Range, parse, parse_named, sweep
-from echocal.sweep.files import refuse_ending, write
+from echocal.sweep import Range, parse, parse_named, refuse_ending, sweep, write
 
 
 def command(
@@ -89,7 +88,7 @@ def _ranges(si: dict[str, str | None], named: list[str]) -> dict[str, Range]:
 
 
 def _plot(grid: xr.Dataset, path: Path) -> None:
-    from echocal.plots.files import save_figure  # matplotlib takes a second to import
+    from echocal.plots.draw import save_figure  # matplotlib takes a second to import
     from echocal.plots.sweep import sweep_figure
 
     if not grid.sizes:

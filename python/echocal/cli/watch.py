@@ -10,6 +10,7 @@ from typing import Annotated, Any
 import typer
 
 from echocal._interrupt import after_imports
+from echocal.cli._console import visible
 from echocal.cli._models import Effects, Uncertain, model_of
 from echocal.cli._outputs import Force, Output, check_outputs
 from echocal.cli._tables import (
@@ -18,7 +19,6 @@ from echocal.cli._tables import (
     Quiet,
     reading_options,
 )
-from echocal.cli._terminal import visible
 from echocal.errors import UsageError
 from echocal.observations.layout import Layout
 from echocal.watch import Event, Fleet, Reference, State, WatchSettings, models_of

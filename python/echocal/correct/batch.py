@@ -1,6 +1,7 @@
 """Correct files: one or many, by one model or by one for each sensor."""
 
 import json
+import re
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -9,13 +10,11 @@ from echocal._core import __version__
 from echocal.correct.driver import Progress, Summary, alone, question_of, run, run_tasks, task_of
 from echocal.correct.inputs import PARQUETS, Inputs, find_inputs, refuse_outputs
 from echocal.correct.logs import logs_of
-from echocal.correct.memory import in_bytes
 from echocal.correct.needed import refuse_no_model
 from echocal.correct.rows import Reading
-from echocal.engines import Engine, open_engine
-from echocal.engines.checks import check_workers
-from echocal.engines.names import is_elsewhere
+from echocal.engines import Engine, is_elsewhere, open_engine
 from echocal.engines.processes import Processes
+from echocal.engines.worker import check_workers
 from echocal.errors import UsageError
 from echocal.keywords import keyword
 from echocal.model import Model
@@ -26,10 +25,14 @@ from echocal.observations.given import READ_OPTIONS, refuse_keywords
 from echocal.observations.layout import Layout
 from echocal.places import place_of, size_of
 
-__all__ = ["correct_files", "job_of"]
+__all__ = ["correct_files", "in_bytes", "job_of"]
 
 _SMALL = 64 << 20
 """Bytes of inputs below which starting processes takes longer than the work; judgement."""
+_LEAST = 256 << 20
+"""Bytes below which the libraries alone do not fit; measured."""
+
+_UNITS = {"": 1, "B": 1, "KB": 1 << 10, "MB": 1 << 20, "GB": 1 << 30, "TB": 1 << 40}
 
 
 def correct_files(
@@ -240,3 +243,25 @@ def job_of(
         "round_m": None if round_mm is None else round_mm / 1000,
         **others,
     }
+
+
+def in_bytes(text: int | str) -> int:
+    """Bytes of an amount of memory.
+
+    Raises `UsageError` if it is no amount, or too small for the libraries.
+
+    Examples
+    --------
+    >>> in_bytes("512MB") == 512 * 2**20, in_bytes("1.5 GiB") == 3 * 2**29
+    (True, True)
+    """
+    match = re.fullmatch(r"\s*(\d+(?:\.\d+)?)\s*([KMGT]?)i?(B?)\s*", str(text), re.IGNORECASE)
+    unit = "" if match is None else (match[2] + (match[3] or ("B" if match[2] else ""))).upper()
+    if match is None or unit not in _UNITS:
+        message = f"{keyword('memory', text)} is no amount of memory; e.g. 512MB, 2GB"
+        raise UsageError(message)
+    amount = int(float(match[1]) * _UNITS[unit])
+    if amount < _LEAST:
+        message = f"{keyword('memory', text)} is too little: the libraries alone take {_LEAST >> 20}MB"
+        raise UsageError(message)
+    return amount

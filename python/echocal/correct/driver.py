@@ -11,11 +11,10 @@ from typing import Any
 from echocal._core import __version__
 from echocal._interrupt import stop_if_told
 from echocal.correct.inputs import Inputs, Source
-from echocal.correct.lock import locked
-from echocal.correct.manifest import FOLDER, Manifest
+from echocal.correct.manifest import FOLDER, Manifest, locked
 from echocal.correct.task import RESULT, SCHEMA, run_task
 from echocal.engines import Engine
-from echocal.engines.checks import check_workers
+from echocal.engines.worker import check_workers
 from echocal.errors import OutputError
 from echocal.keywords import as_here
 from echocal.objects import Object
@@ -110,22 +109,17 @@ def run(
 ) -> Summary:
     """Correct the files of a folder, those that are not done yet; call it within `alone`.
 
+    Raises `UsageError` if the folder was begun with another model, it cannot be written, or a worker of the
+    engine would do other work than this process.
+
     Parameters
     ----------
-    inputs : Inputs
     tasks : mapping of str to dict
         Task of each file by the place of its output.
     out : Path or Object
         Folder of the outputs.
-    engine : Engine
     force : bool
         Begin anew where the folder was begun with another model.
-
-    Raises
-    ------
-    UsageError
-        If the folder was begun with another model, it cannot be written, or a worker of the engine would do
-        other work than this process.
     """
     summary = Summary()
     first = next(iter(tasks.values()))
@@ -164,15 +158,12 @@ def run(
 def alone(out: Place) -> Iterator[bool]:
     """Keep other runs out, and remove what killed ones left behind; a store has neither locks nor strays.
 
+    Raises `UsageError` if another run writes the folder.
+
     Yields
     ------
     bool
         Whether the run before was killed: by one of its files, perhaps.
-
-    Raises
-    ------
-    UsageError
-        If another run writes the folder.
     """
     if isinstance(out, Object):
         yield False

@@ -31,27 +31,15 @@ _GLOB = frozenset("*?[")
 
 @dataclass(frozen=True)
 class Source:
-    """A file to correct.
-
-    Attributes
-    ----------
-    path : Path or Object
-    place : PurePath
-        The same below the folder that was given: its output has this name in the folder of the outputs.
-    """
+    """A file to correct."""
 
     path: Place
     place: PurePath
+    """The same below the folder that was given: its output has this name in the folder of the outputs."""
 
     @property
     def file(self) -> Path:
-        """The file of a disk.
-
-        Raises
-        ------
-        UsageError
-            If it is an object of a store.
-        """
+        """The file of a disk. Raises `UsageError` if it is an object of a store."""
         if isinstance(self.path, Path):
             return self.path
         message = f"{self.path} is in an object store, and this command reads files: copy it first"
@@ -96,10 +84,7 @@ class Inputs:
 def find_inputs(given: str | Path) -> Inputs:
     """Find the files of a path, a folder or a glob; of a disk, or of an object store by its URL.
 
-    Raises
-    ------
-    DataError
-        If there is none that can be corrected.
+    Raises `DataError` if there is none that can be corrected.
     """
     if is_url(given):
         return _objects(str(given))

@@ -9,7 +9,7 @@ from typing import Any
 
 from echocal.correct.rows import Reading
 from echocal.correct.uncertainty import Uncertainties
-from echocal.engines.checks import models_digest
+from echocal.engines.worker import models_digest
 from echocal.errors import ModelError
 from echocal.model import Model
 from echocal.model.folder import ModelFolder
@@ -20,19 +20,11 @@ __all__ = ["Job", "Models"]
 
 @dataclass(frozen=True)
 class Models:
-    """One model for all rows, or one for each key.
-
-    Attributes
-    ----------
-    one : Model or None
-    folder : ModelFolder or None
-    by : str
-        Column, or level of the folders (``sensor_id=17``), that has the key.
-    """
+    """One model for all rows, or one for each key."""
 
     one: Model | None = None
     folder: ModelFolder | None = None
-    by: str = ""
+    by: str = ""  # column, or level of the folders (``sensor_id=17``), that has the key
 
     def model(self, key: str) -> Model | None:
         """The model of a key; None where there is none."""
@@ -41,48 +33,24 @@ class Models:
 
 @dataclass(frozen=True)
 class Job:
-    """How files are corrected.
-
-    Attributes
-    ----------
-    models : Models
-    reading : Reading
-    append_only : tuple of str or None
-        Columns to keep beside the results; None: all.
-    round_m : float or None
-        Distances are rounded to multiples of this [m].
-    memory : int
-        Bytes of memory that the process may use.
-    threads : int
-    metadata : mapping of str to str
-        What an output says of its origin.
-    several : bool
-        Whether the file is one of several: a column without any value is then no mistake.
-    logs : str or None
-        Which files are one log, if the user says it.
-    spreadsheet_safe : bool
-        Whether texts that a spreadsheet takes for formulas are written as texts.
-    """
+    """How files are corrected."""
 
     models: Models
     reading: Reading = field(default_factory=Reading)
-    append_only: tuple[str, ...] | None = None
-    round_m: float | None = None
-    memory: int = 512 << 20
+    append_only: tuple[str, ...] | None = None  # columns to keep beside the results; None: all
+    round_m: float | None = None  # distances are rounded to multiples of this [m]
+    memory: int = 512 << 20  # bytes of memory that the process may use
     threads: int = 2
-    metadata: Mapping[str, str] = field(default_factory=dict)
-    several: bool = False
-    logs: str | None = None
-    spreadsheet_safe: bool = False
+    metadata: Mapping[str, str] = field(default_factory=dict)  # what an output says of its origin
+    several: bool = False  # whether the file is one of several: a column without any value is then no mistake
+    logs: str | None = None  # which files are one log, if the user says it
+    spreadsheet_safe: bool = False  # whether texts that a spreadsheet takes for formulas are written as texts
 
     @classmethod
     def of(cls, task: Mapping[str, Any]) -> "Job":
         """The job of a task.
 
-        Raises
-        ------
-        ModelError
-            If this process has other models than the one that made the task.
+        Raises `ModelError` if this process has other models than the one that made the task.
         """
         return _job(json.dumps(task["job"], sort_keys=True), task["digest"])
 

@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 
 from echocal.correct.corrector import Context, Corrector
 from echocal.correct.inputs import Inputs, Source
-from echocal.correct.marks import context_of
-from echocal.correct.needed import remembered
+from echocal.correct.needed import context_of, remembered
 from echocal.errors import DataError, EchocalError, UsageError
 from echocal.keywords import keyword
 from echocal.model import Model
@@ -31,17 +30,10 @@ _BYTES_A_ROW = 250
 
 @dataclass(frozen=True)
 class Surroundings:
-    """What the rows of a file depend on.
+    """What the rows of a file depend on."""
 
-    Attributes
-    ----------
-    context : Context
-        Of the rows before, of the file, and of the rows after.
-    before, after : pandas.DataFrame
-        Rows of the log just before and after the file.
-    """
-
-    context: Context
+    context: Context  # of the rows before, of the file, and of the rows after
+    # before, after: rows of the log just before and after the file
     before: pd.DataFrame
     after: pd.DataFrame
 
@@ -175,12 +167,8 @@ def logs_of(
 ) -> Mapping[str, Sequence[Place]]:
     """Files of the log that each file belongs to, in the order of time, by the place of its output.
 
-    Only where the model depends on other rows; else every file is corrected by itself.
-
-    Raises
-    ------
-    UsageError
-        If it is not known which files are one log.
+    Only where the model depends on other rows; else every file is corrected by itself. Raises `UsageError` if
+    it is not known which files are one log.
     """
     if logs not in (None, *LOGS):
         message = f"{keyword('logs', logs)} is not one of {', '.join(LOGS)}"

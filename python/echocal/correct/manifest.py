@@ -1,18 +1,22 @@
-"""The manifest of a folder of outputs: what is done, with what, and what was set aside.
+"""The manifest of a folder of outputs: what is done, with what, and what was set aside; and its lock.
 
 Lines of JSON in ``_echocal/manifest.jsonl``: first what all files have in common, then a line for each file
 when it is in its place. A line that a crash cut off is no line. In an object store, where nothing can be
 appended, the whole manifest is put anew every few seconds, and at the end.
 
 The first line is also the mark of the owner: a task leaves its output only while the line is that of its run.
+The lock is that of one run at a time, and a dead process does not keep it.
 """
 
+import errno
 import json
 import os
+import socket
 import time
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import Any
+from typing import IO, Any
 
 from echocal.errors import DataError, OutputError, UsageError, writing
 from echocal.keywords import keyword
@@ -21,7 +25,7 @@ from echocal.objects import Object
 from echocal.outputs import replace_text
 from echocal.places import Place, exists, file_digest, place_of, stamp
 
-__all__ = ["FOLDER", "Manifest", "check_owner"]
+__all__ = ["FOLDER", "Manifest", "check_owner", "locked"]
 
 FOLDER = "_echocal"
 _SCHEMA = "echocal.manifest/1"
@@ -34,10 +38,19 @@ _HEAD = 4096  # bytes that hold the first line
 _LINE = {"place", "source", "error"}
 """What a line has of every output."""
 _OF_THE_MACHINE = ("memory", "threads")  # options that change no output
+PATIENCE = 5.0
+"""How long the lock of an owner that is gone is waited for [s]."""
+
+try:
+    import fcntl
+except ImportError:  # Windows
+    fcntl = None  # type: ignore[assignment]
 
 
 class Manifest:
     """What is done in a folder.
+
+    Raises `UsageError` if the folder was begun with another model, other options or another version.
 
     Parameters
     ----------
@@ -51,11 +64,6 @@ class Manifest:
         Version of echocal.
     force : bool
         Begin anew where another model or other options were used.
-
-    Raises
-    ------
-    UsageError
-        If the folder was begun with another model, other options or another version.
     """
 
     def __init__(
@@ -116,10 +124,7 @@ class Manifest:
     def close(self, places: Iterable[str]) -> None:
         """Leave one line for each output. In a store, look whether each is there as this run has put it.
 
-        Raises
-        ------
-        OutputError
-            If another run has begun the folder anew, or has replaced one of the outputs.
+        Raises `OutputError` if another run has begun the folder anew, or has replaced one of the outputs.
         """
         if not isinstance(self.file, Object) or not isinstance(self.out, Object):
             if self._twice:
@@ -190,16 +195,13 @@ class Manifest:
 def check_owner(owner: Mapping[str, Any] | None) -> None:
     """Refuse to write where another run has begun the folder anew since.
 
+    Raises `OutputError` if the first line is another one now, or the manifest is gone.
+
     Parameters
     ----------
     owner : mapping or None
         ``folder`` of the outputs, file of the ``manifest``, and ``head``: its first line, as the run has
         written it. None: nobody else can have begun it.
-
-    Raises
-    ------
-    OutputError
-        If the first line is another one now, or the manifest is gone.
     """
     if owner is None:
         return
@@ -225,3 +227,98 @@ def _line(text: str) -> Any:
         return json.loads(text)
     except ValueError:
         return None
+
+
+@contextmanager
+def locked(file: Path) -> Iterator[bool]:
+    """Hold a lock for the time of a block.
+
+    The system gives a lock back when its process ends, however it ends. A process that the owner was starting
+    when it was killed shares the lock for a moment. So the lock of an owner that is gone is waited for. Where
+    the file system has no such locks, the process that the file names must be gone. Raises `UsageError` if
+    another process has it; the text names the process.
+
+    Yields
+    ------
+    bool
+        Whether the owner before was killed: it has left its name.
+    """
+    with writing(file):
+        file.parent.mkdir(parents=True, exist_ok=True)
+        handle = file.open("a+", encoding="utf-8")
+    with handle:
+        if not _taken_in_time(handle):
+            owner = _owner(handle)
+            message = f"{file.parent.parent} is being written by {owner}; wait, or name another output"
+            raise UsageError(message)
+        killed = bool(_read(handle))
+        with writing(file):
+            handle.seek(0)
+            handle.truncate()
+            json.dump({"host": socket.gethostname(), "process": os.getpid()}, handle)
+            handle.flush()
+        try:
+            yield killed
+        finally:
+            handle.seek(0)
+            handle.truncate()
+            _give_back(handle)
+
+
+def _taken_in_time(handle: IO[str]) -> bool:
+    """Whether this process has the lock now; waits only while no living process is its owner."""
+    end = time.monotonic() + PATIENCE
+    while not _taken(handle):
+        owner = _read(handle)
+        if (owner and _may_live(owner)) or time.monotonic() > end:
+            return False
+        time.sleep(0.02)
+    return True
+
+
+def _give_back(handle: IO[str]) -> None:
+    """Also from a process that is being started and shares the open file."""
+    if fcntl is not None:
+        with suppress(OSError):
+            fcntl.flock(handle, fcntl.LOCK_UN)
+
+
+def _taken(handle: IO[str]) -> bool:
+    if fcntl is not None:
+        try:
+            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            return True
+        except OSError as error:
+            if error.errno in (errno.EAGAIN, errno.EACCES):
+                return False
+    owner = _read(handle)
+    return not owner or not _may_live(owner)
+
+
+def _may_live(owner: dict[str, object]) -> bool:
+    """On another host it may."""
+    return owner["host"] != socket.gethostname() or _lives(int(str(owner["process"])))
+
+
+def _lives(process: int) -> bool:
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return False
+    except OSError:
+        return True
+    return True
+
+
+def _owner(handle: IO[str]) -> str:
+    owner = _read(handle)
+    return f"process {owner['process']} on {owner['host']}" if owner else "another process"
+
+
+def _read(handle: IO[str]) -> dict[str, object]:
+    handle.seek(0)
+    try:
+        found = json.load(handle)
+    except ValueError:
+        return {}
+    return found if isinstance(found, dict) and {"host", "process"} <= set(found) else {}

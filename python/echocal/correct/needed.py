@@ -3,51 +3,62 @@
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
 
 from echocal import _core
-from echocal.correct.marks import context_of, rules_of
-from echocal.errors import UsageError
+from echocal.errors import DataError, UsageError
 from echocal.model import Model
 from echocal.model.indicated_speed import speed_of
-from echocal.observations.marks import MARKS
+from echocal.observations import Observations
+from echocal.observations.marks import MARKS, RowRule, marked, rules_from
 from echocal.observations.mount import mounted_as
 from echocal.observations.names import IGNORE
+from echocal.observations.numbers import Missing, to_numbers
 from echocal.observations.plan import EVERYTHING, make
 from echocal.quantities import AIR, DEFAULTS, FROM_THERMOMETERS, QUANTITIES
 from echocal.registry import find_effect
 
-__all__ = ["Needed", "needed", "refuse_no_model", "refuse_repeated", "remembered"]
+__all__ = [
+    "NOT_CHECKED",
+    "Needed",
+    "context_of",
+    "needed",
+    "reference_of",
+    "refuse_no_model",
+    "refuse_repeated",
+    "remembered",
+    "rules_of",
+    "with_marks",
+]
 
 _ECHOES = ("echo_time", "reading")
 _SOURCES = {"time": "elapsed_time", "times": "elapsed_time"}  # words of `derived_from`
+NOT_CHECKED = "not checked"
+"""Begin of a note on faults that a diagnosis repaired and a correction does not look for."""
+
+Column = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
 class Needed:
-    """What a model reads of a table.
-
-    Attributes
-    ----------
-    columns : tuple of str
-        Columns to parse, in the order of the table.
-    requests : mapping of str to str
-        Meaning of these columns.
-    reference : mapping of str to str
-        Those of them that only rules for rows read, with their meaning; empty where the name says it.
-    assumed : tuple of str
-        Quantities of the air that the model reads, and that the table does not have.
-    remembers : tuple of str
-        What of the model depends on other rows of the log; empty if every row can be corrected by itself.
-    rows_around : int
-        Rows before and after a row that its marks depend on.
-    """
+    """What a model reads of a table."""
 
     columns: tuple[str, ...]
+    """Columns to parse, in the order of the table."""
     requests: Mapping[str, str]
+    """Meaning of these columns."""
     reference: Mapping[str, str]
+    """Those of them that only rules for rows read, with their meaning; empty where the name says it."""
     assumed: tuple[str, ...]
+    """Quantities of the air that the model reads, and that the table does not have."""
     remembers: tuple[str, ...]
+    """What of the model depends on other rows of the log; empty if every row can be corrected by itself."""
     rows_around: int
+    """Rows before and after a row that its marks depend on."""
 
 
 def needed(
@@ -167,3 +178,63 @@ def refuse_no_model(model: object) -> None:
         given = repr(model) if isinstance(model, str | Path) else f"a {type(model).__name__}"
         message = f"correct needs a Model, got {given}; Model('cramer'), Model.load(path) or diagnosis.model"
         raise UsageError(message)
+
+
+def rules_of(model: Model) -> tuple[RowRule, ...]:
+    """Rules by which the diagnosis that made a model left rows out.
+
+    Raises `ModelError` if the model has something else in their place.
+    """
+    return rules_from(_kept(model).get("rules", ()))
+
+
+def context_of(model: Model) -> int:
+    """Rows before and after a part of a table that the marks of its rows depend on.
+
+    Whoever corrects a table in parts and gives each part so many rows more on both sides gets the same
+    marks as for the whole table.
+    """
+    return max((rule.context for rule in rules_of(model)), default=0)
+
+
+def with_marks(
+    observations: Observations, distance: Column, reference: Column | None, model: Model
+) -> tuple[Column, NDArray[np.str_], tuple[str, ...]]:
+    """Corrected distances without those of marked rows, the marks, and sentences for the user.
+
+    Only usable rows are marked: what cannot be as it was read is that, and no outlier.
+    """
+    rules, notes = rules_of(model), []
+    found, unchecked = marked(observations, distance, reference, rules)
+    if unchecked:
+        notes.append(
+            f"{NOT_CHECKED}: {', '.join(unchecked)}; the diagnosis of the model found such rows by a column "
+            "(reading, echo time or reference distance) that this table does not have"
+        )
+    if other := _kept(model).get("without_rule", ()):
+        notes.append(
+            f"{NOT_CHECKED}: {', '.join(map(str, other))}; the diagnosis of the model found that in its "
+            "table, and a correction repairs nothing: if this table has it, repair it before"
+        )
+    return np.where(found == "", distance, np.nan), found, tuple(notes)
+
+
+def reference_of(
+    table: pd.DataFrame, requests: Mapping[str, str], missing: Any, model: Model
+) -> Column | None:
+    """Reference distances [m], shape (n,), for rules that need them; None where there are none."""
+    if not any("reference" in rule.kind + rule.quantity for rule in rules_of(model)):
+        return None
+    source = make(list(table.columns), dict(requests)).assignments.get("reference_distance")
+    if source is None:
+        return None
+    try:
+        values = to_numbers(table[source.column], source.column, Missing(missing))
+    except DataError:  # text; a correction does not need it
+        return None
+    return np.asarray(source.unit.to_si(values))
+
+
+def _kept(model: Model) -> Mapping[str, Any]:
+    kept = model.provenance.get(MARKS, {})
+    return kept if isinstance(kept, Mapping) else {"rules": kept}

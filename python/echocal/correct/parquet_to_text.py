@@ -17,11 +17,13 @@ from echocal.correct.parquet.file import (
     arrow_file,
     check_whole,
     keys_of,
+    names_of,
     opened_file,
+    read_pieces,
+    read_tables,
     surroundings_of,
     tally_of,
 )
-from echocal.correct.parquet.pieces import names_of, read_pieces, read_tables
 from echocal.correct.rows import Rows
 from echocal.correct.stream import corrected
 from echocal.correct.tables import results_of
@@ -48,16 +50,13 @@ def parquet_to_text(
 ) -> Tally:
     """Correct a Parquet file into a text file; see `correct_parquet`.
 
+    Raises `DataError` if the file cannot be read, a value cannot be text, or a model needs what the file does
+    not have; `out` is incomplete then.
+
     Parameters
     ----------
     ending : str
         Of the output: ``.csv``, ``.tsv.gz``, ...
-
-    Raises
-    ------
-    DataError
-        If the file cannot be read, a value cannot be text, or a model needs what the file does not have;
-        `out` is incomplete then.
     """
     if job.append_only is not None:
         raise UsageError(f"{keyword('append_only')} is for Parquet to Parquet")

@@ -9,8 +9,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from echocal.correct.marks import reference_of, with_marks
-from echocal.correct.needed import Needed, is_derived, trusted
+from echocal.correct.needed import Needed, is_derived, reference_of, trusted, with_marks
 from echocal.correct.results import DISTANCE, LEVEL
 from echocal.correct.uncertainty import Uncertainties, included, standard_uncertainty
 from echocal.errors import DataWarning
@@ -119,6 +118,8 @@ def correct_rows(
 ) -> Rows:
     """Correct every row of a table, or of a part of one, that has the needed columns.
 
+    Raises `DataError` if the columns cannot be read, or the model needs another one.
+
     Parameters
     ----------
     table : pandas.DataFrame, shape (n, m)
@@ -128,11 +129,6 @@ def correct_rows(
     groups : sequence of (Model, slice), optional
         Models of some rows each, which read the same columns in the same way as `model`, and have neither
         terms without a cause nor rules for rows.
-
-    Raises
-    ------
-    DataError
-        If the columns cannot be read, or the model needs another one.
     """
     observations, assembly = _observed(table, model, needed, reading, part)
     if groups:
@@ -194,16 +190,13 @@ def _some(observations: Observations, rows: slice) -> Observations:
 def whole_log(table: pd.DataFrame, model: Model, needed: Needed, reading: Reading) -> tuple[Part, Column]:
     """What the parts of a table need to know of the whole: its start and its derived quantities.
 
+    Raises `DataError` if the table cannot be read as a whole.
+
     Returns
     -------
     part : Part
     elapsed : ndarray, shape (n,)
         Seconds since the start; NaN where a row has no time, or the table has none.
-
-    Raises
-    ------
-    DataError
-        If the table cannot be read as a whole.
     """
     observations, assembly = _observed(table, model, needed, reading, None)
     derived = {name: values for name, values in observations.conditions.items() if is_derived(name)}

@@ -6,9 +6,11 @@ its run, on a worker of a cluster, leaves no file in an output that another requ
 """
 
 import errno
+import tempfile
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -19,10 +21,10 @@ from echocal.correct.corrector import Tally
 from echocal.correct.inputs import PARQUETS, TEXTS
 from echocal.correct.job import Job
 from echocal.correct.manifest import check_owner
-from echocal.correct.staged import fetched, replaced
-from echocal.errors import DataError, EchocalError, OutputError, UsageError, unexpected
+from echocal.errors import DataError, EchocalError, OutputError, UsageError, unexpected, writing
 from echocal.keywords import keyword
 from echocal.observations.file import TextFile
+from echocal.outputs import WriteError, replacing
 from echocal.places import Place, file_digest, place_of, stamp
 
 __all__ = ["RESULT", "SCHEMA", "run_task"]
@@ -152,3 +154,54 @@ def _correct(
     from echocal.correct.parquet_to_text import parquet_to_text
 
     return parquet_to_text(source, unfinished, ending, job, task["key"], log, progress)
+
+
+@contextmanager
+def fetched(place: Place) -> Iterator[Path]:
+    """Give a file of this machine with the content."""
+    if isinstance(place, Path):
+        yield place
+        return
+    with _scratch() as folder:
+        place.fetch(folder / place.name)
+        yield folder / place.name
+
+
+@contextmanager
+def replaced(place: Place, last: Callable[[], None] = lambda: None) -> Iterator[Path]:
+    """Give a file of this machine to write to, and put it in place when it is complete.
+
+    `last` is called right before; what it raises keeps what was there. What is written by
+    `echocal.outputs.opened_output` tells errors of its own: any other is of what is read meanwhile.
+
+    Raises `OutputError` if the output cannot be written, and `DataError` if an input cannot be read.
+    """
+    if isinstance(place, Path):
+        with writing(place.parent):
+            place.parent.mkdir(parents=True, exist_ok=True)
+        with replacing(place, last) as unfinished, _reading():
+            yield unfinished
+        return
+    with _scratch() as folder:
+        with writing(folder), _reading():
+            yield folder / "unfinished"
+        last()
+        place.put(folder / "unfinished")
+
+
+@contextmanager
+def _reading() -> Iterator[None]:
+    """Tell errors of inputs from those of the output, which pass."""
+    try:
+        yield
+    except WriteError:
+        raise
+    except OSError as error:
+        message = f"{error.filename or 'the file'} cannot be read: {error.strerror or error}"
+        raise DataError(message) from None
+
+
+@contextmanager
+def _scratch() -> Iterator[Path]:
+    with tempfile.TemporaryDirectory(prefix="echocal-") as folder:
+        yield Path(folder)

@@ -1,26 +1,29 @@
-"""From text to Parquet: once through the file for the types of its columns, once more for the rows."""
+"""From text to Parquet: once through the file for the types of its columns, once more for the rows.
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+A type must hold for the whole column. So it is found piece by piece first: the types that are possible in
+every piece are possible in the column.
+"""
+
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from echocal.correct.corrector import Tally
 from echocal.correct.job import Job
-from echocal.correct.kinds import KINDS, kind_of, possible, type_of, typed
-from echocal.correct.parquet.encode import columns_of, result_fields
+from echocal.correct.parquet.splice import columns_of, result_fields
 from echocal.correct.results import STATUS, UNCERTAINTY, UNUSABLE
 from echocal.correct.rows import Rows
 from echocal.correct.stream import in_order
-from echocal.correct.text.blocks import Block
 from echocal.correct.text.file import Text, check_whole, correct_blocks
-from echocal.correct.text.parse import Lines
+from echocal.correct.text.parse import Block, Lines
 from echocal.errors import DataError, UsageError
 from echocal.keywords import keyword
 from echocal.observations.arrow import Table, arrow
 from echocal.observations.file import TextFile
+from echocal.observations.numbers import EMPTY, EXACT
 from echocal.outputs import opened_output
 
-__all__ = ["text_to_parquet"]
+__all__ = ["KINDS", "kind_of", "possible", "text_to_parquet"]
 
 _VALUES = 1 << 20
 """Values of a row group: a number of rows that depends on the columns only, not on the memory."""
@@ -30,6 +33,14 @@ _ROWS = (1 << 12, 1 << 17)
 
 _SHARE = 4
 """Times that a block takes the memory of one whose lines are only copied; measured."""
+KINDS = ("truth", "integer", "positive", "float")
+"""Types that a column of text may have; the first that is possible is taken."""
+
+_WHOLE = r"^(0|-?[1-9][0-9]*)$"  # "007" is a name, and stays one
+_INTEGER = r"^[-+]?[0-9]+$"
+_PADDED = r"^[-+]?0[0-9]+$"
+_NUMBER = r"^[-+]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][-+]?[0-9]+)?$"
+_TRUTHS = ("True", "False", "TRUE", "FALSE", "true", "false")
 
 
 def text_to_parquet(
@@ -42,12 +53,8 @@ def text_to_parquet(
 ) -> Tally:
     """Correct a text file into a Parquet file; see `correct_text`.
 
-    The types of the columns are those that lose no digit; see `echocal.correct.kinds`.
-
-    Raises
-    ------
-    DataError
-        If the file cannot be read, or a model needs what it does not have; `out` is incomplete then.
+    The types of the columns are those that lose no digit; see `echocal.correct.text_to_parquet`. Raises
+    `DataError` if the file cannot be read, or a model needs what it does not have; `out` is incomplete then.
     """
     if job.append_only is not None:
         raise UsageError(f"{keyword('append_only')} is for Parquet to Parquet")
@@ -151,3 +158,104 @@ def _as_one(group: Table, schema: Any) -> Table:
             one = one.dictionary_encode().cast(field.type)
         columns.append(one)
     return pa.table(columns, schema=schema)
+
+
+def possible(column: Any, decimal: str, among: Collection[str]) -> frozenset[str] | None:
+    """Types that a piece of a column may have; None where it is empty, and says nothing.
+
+    Parameters
+    ----------
+    decimal : str
+        Decimal separator.
+    among : collection of str
+        Types that are possible in other pieces.
+    """
+    texts = _filled(column)
+    if texts.null_count == len(texts):
+        return None
+    tests = {"truth": _are_truths, "integer": _are_whole, "positive": _are_positive}
+    found = {kind for kind, holds in tests.items() if kind in among and holds(texts)}
+    if "float" in among and _floats(texts, decimal) is not None:
+        found.add("float")
+    return frozenset(found)
+
+
+def kind_of(found: Collection[str] | None) -> str:
+    """The type of a column, of those that are possible; ``"text"`` where it is empty or none is."""
+    return next((kind for kind in KINDS if found is not None and kind in found), "text")
+
+
+def typed(column: Any, kind: str, decimal: str) -> Any:
+    """A piece of a column in its type."""
+    pa = arrow()
+    pc = pa.compute
+    if kind == "text":
+        return pc.if_else(pc.equal(column, ""), pa.scalar(None, column.type), column).cast(type_of(kind))
+    texts = _filled(column)
+    if kind == "truth":
+        return pc.equal(pc.utf8_lower(texts), "true")
+    if kind == "float":
+        texts = pc.replace_substring(texts, decimal, ".")
+    return texts.cast(type_of(kind))
+
+
+def type_of(kind: str) -> Any:
+    """Type in Arrow."""
+    pa = arrow()
+    return {
+        "truth": pa.bool_(),
+        "integer": pa.int64(),
+        "positive": pa.uint64(),
+        "float": pa.float64(),
+        "text": pa.large_string(),
+    }[kind]
+
+
+def _filled(column: Any) -> Any:
+    """Null where a text says that there is no value."""
+    pa = arrow()
+    absent = pa.compute.is_in(column, pa.array(sorted(EMPTY), column.type))
+    return pa.compute.if_else(absent, pa.scalar(None, column.type), column)
+
+
+def _are_truths(texts: Any) -> bool:
+    pa = arrow()
+    return bool(pa.compute.all(pa.compute.is_in(texts.drop_null(), pa.array(_TRUTHS, texts.type))).as_py())
+
+
+def _are_whole(texts: Any) -> bool:
+    return _fit(texts, arrow().int64())
+
+
+def _are_positive(texts: Any) -> bool:
+    return _fit(texts, arrow().uint64())
+
+
+def _fit(texts: Any, kind: Any) -> bool:
+    pa = arrow()
+    if not pa.compute.all(pa.compute.match_substring_regex(texts, _WHOLE)).as_py():
+        return False
+    try:
+        texts.cast(kind)
+    except pa.ArrowInvalid:  # wider than that
+        return False
+    return True
+
+
+def _floats(texts: Any, decimal: str) -> Any | None:
+    """Floats of texts that are all numbers of a float's range, and whose integers lose no digit."""
+    pa = arrow()
+    pc = pa.compute
+    filled = texts.drop_null()
+    if decimal != "." and pc.any(pc.match_substring(filled, ".")).as_py():
+        return None  # a separator of thousands, a date
+    plain = pc.replace_substring(texts, decimal, ".")
+    if not pc.all(pc.match_substring_regex(plain, _NUMBER)).as_py():
+        return None
+    if pc.any(pc.match_substring_regex(filled, _PADDED)).as_py():
+        return None
+    numbers = plain.cast(pa.float64())
+    long = pc.and_(pc.match_substring_regex(texts, _INTEGER), pc.greater_equal(pc.abs(numbers), EXACT))
+    integers = pc.filter(texts, long, null_selection_behavior="drop").to_pylist()
+    exact = pc.all(pc.is_finite(numbers)).as_py() and all(int(text) == float(text) for text in integers)
+    return numbers if exact else None

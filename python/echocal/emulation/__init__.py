@@ -11,17 +11,20 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from echocal import silicon
-from echocal.emulation.inputs import Inputs, from_ranges, from_table
+from echocal.emulation.inputs import TRUTH, Emulation, Inputs, from_ranges, from_table
 from echocal.emulation.lines import columns_of, understood
-from echocal.emulation.package import columns_of_package, compile_package, package_of
-from echocal.emulation.parts import PARTS_OF_ERROR, error_parts
-from echocal.emulation.result import TRUTH, Emulation
+from echocal.emulation.package import (
+    PARTS_OF_ERROR,
+    columns_of_package,
+    compile_package,
+    error_parts,
+    package_of,
+)
 from echocal.errors import UsageError
 from echocal.firmware import Firmware
 from echocal.model import Model
 from echocal.sweep.grid import Range
-from echocal.virtual_bench.hygrometers import HIH4030
-from echocal.virtual_bench.thermometers import PARTS, AnalogThermometer
+from echocal.virtual_bench.instruments import HIH4030, PARTS, AnalogThermometer
 from echocal.virtual_bench.waveform.possible import check_seed
 
 __all__ = ["PARTS_OF_ERROR", "TRUTH", "Emulation", "emulate", "error_parts"]
@@ -76,7 +79,7 @@ def emulate(
         What columns of the table, or of a sketch's own lines, hold, as of `echocal.read_observations`.
     part : str or AnalogThermometer
         Thermometer at A0: ``"tmp36"``, ``"lm35"``, ``"potentiometer"``, or one of
-        `echocal.virtual_bench.thermometers`. A name stands for a part without noise, lag and tolerance,
+        `echocal.virtual_bench.instruments`. A name stands for a part without noise, lag and tolerance,
         unless `seed` is given.
     humidity : bool
         Whether a HIH-4030 is at A1 and the library of a model reads it.

@@ -1,18 +1,36 @@
-"""The Arduino library of a model, as `echocal.firmware.generate` makes it, on the board."""
+"""The Arduino library of a model on the board, and its error split into its origins."""
+
+from __future__ import annotations
 
 import tempfile
+import warnings
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pandas as pd
+from numpy.typing import NDArray
 
-from echocal.errors import UsageError
+from echocal.emulation.inputs import Emulation
+from echocal.errors import DomainWarning, UsageError
 from echocal.firmware import EchoCodes, Firmware, generate
 from echocal.model import Model
+from echocal.registry import find_effect
 from echocal.silicon import Played, Sketch, compile_sketch
 
-__all__ = ["columns_of_package", "compile_package", "package_of"]
+__all__ = ["PARTS_OF_ERROR", "columns_of_package", "compile_package", "error_parts", "package_of"]
+
+PARTS_OF_ERROR = {
+    "timer": "steps of the timer, and what delays it",
+    "sensors": "steps and errors of thermometer and hygrometer, less what the model corrects of them",
+    "arithmetic": "the C against the model, which is proven",
+    "air": "law, assumed air and effects on the speed of sound of the model, against the air of the bench",
+    "transducer": "what module and target add to 2 d / c, less what the model corrects of it",
+}
+"""Origins of the error of a reading, and what they are."""
+
+_SPEED, _DEFAULT_PART = "speed", "air"  # stages of effects
 
 _METERS = {"um": 1e-6, "mm": 1e-3, "cm": 1e-2}
 _SKETCH = "examples/HcSr04/HcSr04.ino"
@@ -82,3 +100,86 @@ def columns_of_package(played: Played, made: Firmware) -> pd.DataFrame:
     if len(axes) == 3:
         table["humidity_percent"] = np.round(100.0 * scaled[2], 9)
     return table
+
+
+def error_parts(found: Emulation, model: Model) -> pd.DataFrame:
+    """Split the errors of the readings.
+
+    The parts of a row add up to its error. Each is the change of the distance when one value after the other
+    is replaced: what the board has, by what is true.
+
+    Parameters
+    ----------
+    found : Emulation
+        From `emulate` with a model or its library.
+    model : Model
+        The model.
+
+    Returns
+    -------
+    DataFrame
+        A column for each of `PARTS_OF_ERROR` [m]; NaN where a row has no reading.
+
+    Raises
+    ------
+    UsageError
+        If true distances are not known, or the sketch is none of this model.
+
+    Examples
+    --------
+    >>> import echocal
+    >>> model = echocal.Model("cramer")
+    >>> found = echocal.emulate(model, temperature=(0.0, 50.0, 10.0), distance=2.0)
+    >>> parts = echocal.error_parts(found, model)
+    >>> bool(abs(parts.sum(axis="columns") - found.errors()["reading_m"]).max() < 1e-9)
+    True
+    >>> parts.abs().max().idxmax()
+    'air'
+    """
+    for name, given, kind in (("found", found, Emulation), ("model", model, Model)):
+        if not isinstance(given, kind):
+            message = f"{name} is of the type {type(given).__name__}; give the {kind.__name__}"
+            raise UsageError(message)
+    table, inputs = found.table, found.inputs
+    if inputs.distance is None or inputs.ideal is None or found.firmware is None:
+        message = "an error is split for the C of a model, and where the true distances are known"
+        raise UsageError(message)
+    if found.firmware.report["model_hash"] != model.hash:  # the difference would be told as one of arithmetic
+        message = (
+            f"the model has the hash {model.hash[:12]}, and the C on the board was made from "
+            f"{found.firmware.report['model_hash'][:12]}: give that model"
+        )
+        raise UsageError(message)
+    board = {"temperature": table["temperature_C"].to_numpy()}
+    true = {"temperature": inputs.temperature}
+    if len(found.firmware.report["device"]["conditions"]) == 2:  # else the model assumes the humidity
+        board["relative_humidity"] = table["humidity_percent"].to_numpy() / 100.0
+        true["relative_humidity"] = inputs.relative_humidity
+    counted, reading = table["echo_us"].to_numpy() * 1e-6, table["reading_m"].to_numpy()
+
+    def distance(
+        one: Model, echo: NDArray[np.float64], known: dict[str, NDArray[np.float64]]
+    ) -> NDArray[np.float64]:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", DomainWarning)  # told when the C was made
+            return np.asarray(one.distance(echo, **known))
+
+    exact = distance(_without(model, lambda stage: stage == _DEFAULT_PART), inputs.echo, true)
+    measured = distance(model, inputs.echo, board)
+    rounded = distance(model, counted, board)
+    air = distance(_without(model, lambda stage: stage != _SPEED), inputs.ideal, true) - inputs.distance
+    return pd.DataFrame(
+        {
+            "timer": rounded - measured,
+            "sensors": measured - exact,
+            "arithmetic": reading - rounded,
+            "air": air,
+            "transducer": exact - inputs.distance - air,
+        }
+    )
+
+
+def _without(model: Model, stage_is: Callable[[str], bool]) -> Model:
+    """Return the model without its effects of some stages."""
+    kept = {name: sizes for name, sizes in model.effects.items() if not stage_is(find_effect(name).stage)}
+    return Model(model.law, kept, air=model.air)

@@ -97,15 +97,12 @@ class _Dask:
 def scheduler(address: str) -> Iterator[Engine]:
     """Connect to a scheduler.
 
+    Raises `UsageError` if it does not answer, or has no worker.
+
     Parameters
     ----------
     address : str
         ``HOST:PORT``.
-
-    Raises
-    ------
-    UsageError
-        If it does not answer, or has no worker.
     """
     distributed = _distributed()
     name = f"Dask scheduler {address}"

@@ -1,9 +1,9 @@
-"""What an engine is."""
+"""What an engine is, and the simplest one: this process, one task after the other."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any, Protocol
 
-__all__ = ["Engine", "Result", "Task", "Work"]
+__all__ = ["Engine", "Here", "Result", "Task", "Work"]
 
 Task = Mapping[str, Any]
 Result = dict[str, Any]
@@ -44,3 +44,19 @@ class Engine(Protocol):
         Empty where all workers are of this installation and of this machine.
         """
         ...
+
+
+class Here:
+    """The process itself."""
+
+    name = "this process"
+    inside = True
+
+    def run(self, work: Work, tasks: Sequence[Task]) -> Iterator[tuple[Task, Result | None]]:
+        """Run tasks."""
+        for task in tasks:
+            yield task, work(task)
+
+    def ask(self, question: Callable[..., Any], *given: Any) -> dict[str, Any]:
+        """Nobody to ask."""
+        return {}

@@ -10,10 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from echocal.errors import DataError
-from echocal.fleet.labels import label
-from echocal.fleet.polar import Frame, polars
-from echocal.fleet.spill import KEY, PLACE, broken_files, pieces
-from echocal.fleet.tables import opened
+from echocal.fleet.store import KEY, PLACE, broken_files, pieces
+from echocal.fleet.tables import Frame, label, opened, polars
 from echocal.observations.layout import Layout
 from echocal.observations.plan import make
 
@@ -22,23 +20,12 @@ __all__ = ["Log", "logs"]
 
 @dataclass(frozen=True)
 class Log:
-    """The rows of a sensor.
+    """The rows of a sensor."""
 
-    Attributes
-    ----------
-    columns : mapping of str to ndarray, or polars.DataFrame
-        The table, or nothing where it cannot be read.
-    repeated : int
-        Rows that stand in two files and are used once.
-    notes : tuple of str
-    error : str
-        Why there is no table; else empty.
-    """
-
-    columns: Any
-    repeated: int = 0
+    columns: Any  # the table, or nothing where it cannot be read
+    repeated: int = 0  # rows that stand in two files and are used once
     notes: tuple[str, ...] = ()
-    error: str = ""
+    error: str = ""  # why there is no table; else empty
 
 
 def logs(
@@ -65,7 +52,7 @@ def logs(
     time_zone : str
         Of times without an offset.
     bucket : (Path, int), optional
-        Where the rows are that were divided before; see `echocal.fleet.spill`.
+        Where the rows are that were divided before; see `echocal.fleet.store`.
     """
     read = _Read({}, {})
     if bucket is not None:

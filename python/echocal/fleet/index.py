@@ -5,15 +5,13 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from echocal.correct.inputs import Source
+from echocal.correct.inputs import Source, find_inputs
 from echocal.errors import DataError, among
-from echocal.fleet.labels import label
-from echocal.fleet.polar import polars
-from echocal.fleet.tables import Opened, opened
+from echocal.fleet.tables import Opened, label, opened, polars
 from echocal.observations.file import is_parquet
 from echocal.observations.layout import Layout
 
-__all__ = ["Index", "Sensor", "indexed"]
+__all__ = ["Files", "Index", "Sensor", "files_of", "indexed"]
 
 
 @dataclass
@@ -41,40 +39,25 @@ class Sensor:
 
 @dataclass(frozen=True)
 class Index:
-    """All sensors of a fleet.
+    """All sensors of a fleet."""
 
-    Attributes
-    ----------
-    sensors : list of Sensor
-        In the order of their keys.
-    notes : tuple of str
-    unlabeled : int
-        Rows without a key.
-    broken : mapping of str to str
-        Files that cannot be read, with the reasons.
-    """
-
-    sensors: list[Sensor]
+    sensors: list[Sensor]  # in the order of their keys
     notes: tuple[str, ...]
-    unlabeled: int
-    broken: Mapping[str, str]
+    unlabeled: int  # rows without a key
+    broken: Mapping[str, str]  # files that cannot be read, with the reasons
 
 
 def indexed(files: Sequence[Source], by: str | None, kind: str | None, layout: Layout) -> Index:
     """Look where the rows of each sensor are.
 
+    Raises `DataError` if no file has a sensor, or the files of a sensor have different kinds.
+
     Parameters
     ----------
-    files : sequence of Source
     by : str or None
         Column or level of the folders that has the key; None: each file is the log of one sensor.
     kind : str or None
         Column or level of the folders that has the kind of a sensor.
-
-    Raises
-    ------
-    DataError
-        If no file has a sensor, or the files of a sensor have different kinds.
     """
     sensors: dict[str, Sensor] = {}
     kinds: dict[str, set[str]] = {}
@@ -164,3 +147,29 @@ def _order(key: str) -> tuple[int, int, str]:
     """Numbers in their order, before other keys."""
     number = key.isascii() and key.isdigit() and len(key) < 19
     return (0, int(key), key) if number else (1, 0, key)
+
+
+@dataclass(frozen=True)
+class Files:
+    """The files of a fleet."""
+
+    sources: tuple[Source, ...]  # each file once, in the order of the inputs and of their names
+    notes: tuple[str, ...]  # what is left out
+
+
+def files_of(inputs: Sequence[str | Path]) -> Files:
+    """Find the files of paths, folders and globs.
+
+    Raises `DataError` if a path does not exist, or has no table.
+    """
+    sources: dict[Path, Source] = {}
+    notes: list[str] = []
+    for given in inputs:
+        found = find_inputs(given)
+        if found.single and not found.files[0].file.exists():
+            message = f"no file {given}"
+            raise DataError(message)
+        for source in found.files:
+            sources.setdefault(source.file.resolve(), source)
+        notes += found.left_out()
+    return Files(tuple(sources.values()), tuple(notes))

@@ -14,26 +14,21 @@ from echocal.correct.driver import sweep
 from echocal.correct.inputs import Source
 from echocal.diagnose.request import Request
 from echocal.diagnose.settings import Settings
-from echocal.engines import Engine, open_engine
-from echocal.engines.checks import check_workers
-from echocal.engines.here import Here
-from echocal.engines.names import is_elsewhere
+from echocal.engines import Engine, is_elsewhere, open_engine
+from echocal.engines.engine import Here
 from echocal.engines.processes import processors
+from echocal.engines.worker import check_workers
 from echocal.errors import DataError, UsageError, writing
 from echocal.fleet import verdicts
-from echocal.fleet.index import Sensor, indexed
-from echocal.fleet.judge import judged
-from echocal.fleet.plan import BYTES_A_ROW, digest, tasks_of
-from echocal.fleet.record import FAILED, failure
-from echocal.fleet.source import files_of
-from echocal.fleet.spill import is_spilled, plan_spills, run_spill
-from echocal.fleet.store import Store
+from echocal.fleet.index import Sensor, files_of, indexed
+from echocal.fleet.prevalence import judged
+from echocal.fleet.store import Store, is_spilled, plan_spills, run_spill
 from echocal.fleet.summary import summary
-from echocal.fleet.task import run_task
+from echocal.fleet.task import BYTES_A_ROW, digest, run_task, tasks_of
+from echocal.fleet.verdicts import FAILED, failure
 from echocal.keywords import as_here, keyword
 from echocal.model import Model
-from echocal.model.folder import INDEX
-from echocal.model.names import index_text, named
+from echocal.model.folder import INDEX, index_text, named
 from echocal.model.plain import to_plain
 from echocal.observations.layout import Layout
 from echocal.observations.options import ReadOptions

@@ -2,15 +2,17 @@
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
+from itertools import combinations
+from math import comb
 from statistics import median
 from typing import Any
 
 from echocal._core import __version__
 from echocal.diagnose.settings import Settings
-from echocal.fleet.judge import Judged, false_discoveries
-from echocal.fleet.together import together
+from echocal.diagnose.settings.threshold import PROBABLE
+from echocal.fleet.prevalence import Judged, false_discoveries
 
-__all__ = ["SCHEMA", "summary"]
+__all__ = ["SCHEMA", "summary", "together"]
 
 SCHEMA = "echocal.fleet/1"
 
@@ -27,9 +29,6 @@ def summary(
     ----------
     rows : sequence of mapping
         Rows of the table of verdicts.
-    found : Judged
-    settings : Settings
-    notes : sequence of str
     seconds : float
         That the run took [s].
     """
@@ -122,3 +121,52 @@ def _causes(rows: Sequence[Mapping[str, Any]], named: float) -> list[dict[str, A
 
 def _median(values: Sequence[float]) -> float | None:
     return median(values) if values else None
+
+
+def together(rows: Sequence[Mapping[str, Any]], settings: Settings) -> list[dict[str, Any]]:
+    """Pairs of causes that are claimed in the same sensors, and how many such sensors chance would make.
+
+    Fisher's exact test, divided among all pairs.
+
+    Parameters
+    ----------
+    rows : sequence of mapping
+        Rows of the table of verdicts.
+
+    Returns
+    -------
+    list of dict
+        ``ids``, ``sensors``, ``by_chance`` and ``p_value``, the least probable first.
+    """
+    judged = [row for row in rows if row["verdict"] != "failed"]
+    single: Counter[str] = Counter()
+    pairs: Counter[tuple[str, str]] = Counter()
+    for row in judged:
+        claims = [
+            frozenset(cause["class"]) for cause in row["causes"] if cause["class_probability"] >= PROBABLE
+        ]
+        single.update({id_ for claim in claims for id_ in claim})
+        both = {
+            (min(a, b), max(a, b))
+            for one, other in combinations(claims, 2)
+            for a in one - other
+            for b in other - one
+        }
+        pairs.update(both)
+    tests = comb(len(single), 2)
+    found = []
+    for (a, b), count in pairs.items():
+        p = _at_least(count, len(judged), single[a], single[b])
+        if p * tests < settings.fleet.together:
+            chance = single[a] * single[b] / len(judged)
+            found.append({"ids": [a, b], "sensors": count, "by_chance": chance, "p_value": p * tests})
+    return sorted(found, key=lambda one: (one["p_value"], one["ids"]))
+
+
+def _at_least(count: int, total: int, first: int, second: int) -> float:
+    """Probability that chance puts so many of `first` and `second` sensors together."""
+    ways = sum(
+        comb(first, both) * comb(total - first, second - both)
+        for both in range(count, min(first, second) + 1)
+    )
+    return ways / comb(total, second)

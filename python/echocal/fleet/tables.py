@@ -1,18 +1,39 @@
-"""One file as a polars table: Parquet lazily, text as echocal reads it."""
+"""One file as a polars table: Parquet lazily, text as echocal reads it; its keys of sensors as text."""
 
 from collections.abc import Sequence
+from functools import lru_cache
+from importlib import import_module
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
 from echocal._interrupt import stop_if_told
-from echocal.correct.parquet.checksums import compare_checksums
-from echocal.errors import DataError, EchocalError, unexpected
-from echocal.fleet.polar import Frame, polars
+from echocal.correct.parquet import footer as f
+from echocal.correct.parquet import thrift
+from echocal.errors import DataError, EchocalError, UsageError, unexpected
+from echocal.model.folder import WHOLE
+from echocal.observations.arrow import arrow
 from echocal.observations.file import TextFile
 from echocal.observations.layout import Layout
 from echocal.observations.source import load
+from echocal.places import stamp
 
-__all__ = ["Opened", "opened"]
+__all__ = ["Frame", "Opened", "label", "opened", "polars"]
+
+_HEADER = 1 << 20  # bytes that hold the header of a page
+_CRC = 4  # of PageHeader
+_ROWS = 1 << 16
+
+Frame: TypeAlias = Any
+"""A ``polars.DataFrame``; the library may be absent."""
+
+
+def polars() -> Any:
+    """The library. Raises `UsageError` if it is not installed."""
+    try:
+        return import_module("polars")
+    except ImportError:
+        message = "a fleet is read with polars: pip install 'echocal[batch]'"
+        raise UsageError(message) from None
 
 
 class Opened:
@@ -37,17 +58,12 @@ class Opened:
     ) -> Frame:
         """Read expressions of columns, of the rows for which an expression holds.
 
+        Raises `DataError` if the file cannot be read.
+
         Parameters
         ----------
-        columns : sequence of polars.Expr
-        where : polars.Expr, optional
         rows : (int, int or None)
             First of the rows that are looked at, and their number.
-
-        Raises
-        ------
-        DataError
-            If the file cannot be read.
         """
         lazy = self._lazy if rows == (0, None) else self._lazy.slice(*rows)
         lazy = lazy if where is None else lazy.filter(where)
@@ -57,15 +73,12 @@ class Opened:
 def opened(path: Path, layout: Layout, *, compare: bool = True) -> Opened:
     """Open a file.
 
+    Raises `DataError` if it cannot be read.
+
     Parameters
     ----------
     compare : bool
         Whether the checksums of its pages are compared, where it has them: polars does not.
-
-    Raises
-    ------
-    DataError
-        If it cannot be read.
     """
     pl = polars()
     file = TextFile(path, layout)
@@ -95,3 +108,62 @@ def _tried(path: Path, work: Any) -> Any:
         stop_if_told()
         message = f"{path}: {unexpected(error)}"
         raise DataError(message) from None
+
+
+def label(name: str, kind: Any) -> Any:
+    """Expression of a column's values as text: whole numbers have no fraction, empty texts are null.
+
+    Parameters
+    ----------
+    name : str
+        The column.
+    kind : polars.DataType
+        Its type.
+    """
+    pl = polars()
+    column = pl.col(name)
+    if kind.is_float():
+        whole = (column == column.floor()) & (column.abs() < 2.0**53)
+        number = pl.when(whole).then(column.cast(pl.Int64, strict=False).cast(pl.String))
+        text = number.otherwise(column.cast(pl.String))
+        return pl.when(column.is_nan()).then(None).otherwise(text)
+    text = column.cast(pl.String).str.strip_chars().str.replace(WHOLE, "$1")
+    return pl.when(text == "").then(None).otherwise(text)
+
+
+def compare_checksums(path: Path) -> None:
+    """Compare all checksums of a Parquet file; once for the file as it is now.
+
+    Raises `DataError` if a page is damaged.
+    """
+    _compare(path, tuple(stamp(path).items()))
+
+
+@lru_cache(maxsize=1024)
+def _compare(path: Path, _: tuple[tuple[str, object], ...]) -> None:
+    if not _has_checksums(path):
+        return
+    pa = arrow()
+    try:
+        with path.open("rb") as raw, pa.parquet.ParquetFile(raw, page_checksum_verification=True) as file:
+            for _batch in file.iter_batches(_ROWS):
+                pass
+    except (OSError, pa.ArrowException) as error:
+        reason = next(iter(str(error).split("\n")), type(error).__name__)
+        message = f"{path} is damaged: {reason}"
+        raise DataError(message) from None
+
+
+def _has_checksums(path: Path) -> bool:
+    """Whether its first page has one: a writer gives one to each page, or to none."""
+    with path.open("rb") as raw:
+        footer = f.read_footer(raw, str(path))
+        for group in footer.row_groups:
+            for chunk in group[f.COLUMNS][1][1]:
+                first, count = f.chunk_range(chunk)
+                raw.seek(first)
+                try:
+                    return _CRC in thrift.read(raw.read(min(count, _HEADER)))[0]
+                except ValueError:  # the reader tells
+                    return False
+    return False

@@ -6,10 +6,11 @@ task makes the same verdicts. A task that outlives its run, on a worker of a clu
 """
 
 import gzip
+import hashlib
 import json
 import time
 import warnings
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
@@ -23,15 +24,23 @@ from echocal.diagnose.progress import Steps
 from echocal.diagnose.request import Request
 from echocal.errors import EchocalError, UsageError, unexpected
 from echocal.fleet.gather import Log, logs
-from echocal.fleet.plan import SCHEMA
-from echocal.fleet.record import FAILED, failure, record
+from echocal.fleet.index import Sensor
 from echocal.fleet.store import Store, put
+from echocal.fleet.verdicts import FAILED, failure, record
 from echocal.model import document
 from echocal.model.plain import from_plain
 from echocal.observations.layout import Layout
 from echocal.observations.options import ReadOptions
 
-__all__ = ["run_task"]
+__all__ = ["BYTES_A_ROW", "digest", "run_task", "tasks_of"]
+
+SCHEMA = "echocal.fleet_task/1"
+
+_SENSORS = 16
+"""Sensors of a task at most: what a killed worker loses is seconds."""
+
+BYTES_A_ROW = 400
+"""What a row takes while a group of sensors is read and one of them is diagnosed; judgement."""
 
 
 def run_task(task: Mapping[str, Any]) -> dict[str, Any]:
@@ -40,7 +49,7 @@ def run_task(task: Mapping[str, Any]) -> dict[str, Any]:
     Parameters
     ----------
     task : mapping
-        Plain data, as `echocal.fleet.plan.tasks_of` makes it.
+        Plain data, as `echocal.fleet.task.tasks_of` makes it.
 
     Returns
     -------
@@ -151,3 +160,59 @@ def _written(
 
 def _text(data: Mapping[str, Any]) -> bytes:
     return (json.dumps(data, indent=1, allow_nan=False) + "\n").encode()
+
+
+def tasks_of(
+    sensors: Sequence[Sensor], names: Mapping[str, str], by: str | None, job: Mapping[str, Any], memory: int
+) -> list[dict[str, Any]]:
+    """Tasks as plain data. The same sensors and the same job make the same tasks.
+
+    Parameters
+    ----------
+    names : mapping of str to str
+        File of each sensor.
+    by : str or None
+        Column or level of the folders that has the key.
+    job : mapping
+        What all tasks share, as plain data.
+    memory : int
+        Bytes that one process may use for rows.
+    """
+    places: dict[Path, int] = {}
+    for sensor in sensors:
+        for file, _ in sensor.files:
+            places.setdefault(file.file, len(places))
+    most = max(memory // BYTES_A_ROW, 1)
+    groups: list[list[Sensor]] = [[]]
+    rows = 0
+    for sensor in sensors:
+        if groups[-1] and (len(groups[-1]) == _SENSORS or rows + sensor.rows > most):
+            groups.append([])
+            rows = 0
+        groups[-1].append(sensor)
+        rows += sensor.rows
+    return [
+        {
+            "schema": SCHEMA,
+            "version": __version__,
+            "number": number,
+            "sensors": [
+                {
+                    "key": s.key,
+                    "kind": s.kind,
+                    "file": names[s.key],
+                    "files": [
+                        [str(file.file), by in file.partition, places[file.file]] for file, _ in s.files
+                    ],
+                }
+                for s in group
+            ],
+            "job": dict(job),
+        }
+        for number, group in enumerate(groups)
+    ]
+
+
+def digest(data: Any) -> str:
+    """SHA-256 of plain data."""
+    return hashlib.sha256(json.dumps(data, sort_keys=True).encode()).hexdigest()

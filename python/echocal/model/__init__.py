@@ -2,7 +2,6 @@
 
 from echocal.model.composition import Model
 from echocal.model.residual_uncertainty import ResidualUncertainty
-from echocal.model.shape import Shape
-from echocal.model.smooth import Smooth
+from echocal.model.shape import Shape, Smooth
 
 __all__ = ["Model", "ResidualUncertainty", "Shape", "Smooth"]

@@ -6,8 +6,7 @@ from typing import Any
 import numpy as np
 
 from echocal.errors import ModelError
-from echocal.model.shape import DISTANCE, Shape, is_extra
-from echocal.model.smooth import Smooth
+from echocal.model.shape import DISTANCE, Shape, Smooth, is_extra
 
 __all__ = ["corrected", "indicated", "others", "variance"]
 

@@ -1,15 +1,21 @@
-"""What a model is built from: effects, a law that moves, numbers of a call."""
+"""What a model is built from: effects, a law that moves, numbers of a call, a covariance."""
 
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, Never, TypeVar
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from echocal.conditions import numbers
 from echocal.errors import ModelError
 from echocal.registry import find_effect
 
-__all__ = ["apart", "by_name", "numeric", "refuse_no_text", "refuse_standstill", "terms"]
+__all__ = ["apart", "by_name", "fixed", "numeric", "refuse_no_text", "refuse_standstill", "terms"]
+
+_ROUNDING = 1e-9  # relative asymmetry that a solver may leave
+
+K = TypeVar("K")
+V = TypeVar("V")
 
 
 def terms(effects: Mapping[str, Mapping[str, float]]) -> list[tuple[str, list[tuple[str, float]]]]:
@@ -67,3 +73,72 @@ def by_name(id_: str, values: list[float]) -> dict[str, float]:
     """Return an effect's parameters by name."""
     names = (parameter.name for parameter in find_effect(id_).parameters)
     return dict(zip(names, values, strict=True))
+
+
+class Fixed(dict[K, V]):
+    """A dict that cannot be edited; it compares, prints, copies and pickles as a dict does.
+
+    Examples
+    --------
+    >>> values = Fixed({"delay": 3e-5})
+    >>> values["delay"] = 0.0
+    Traceback (most recent call last):
+    echocal.errors.ModelError: a model does not change; build another one, such as Model(model.law, {...})
+    """
+
+    def _refuse(self, *_: object, **__: object) -> Never:
+        raise ModelError("a model does not change; build another one, such as Model(model.law, {...})")
+
+    __setitem__ = __delitem__ = __ior__ = clear = pop = popitem = setdefault = update = _refuse
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (dict(self),)
+
+
+def fixed(mapping: Mapping[str, Any]) -> Fixed[str, Any]:
+    """Return a mapping, and those inside it, as they are now."""
+    return Fixed({key: fixed(own) if isinstance(own, Mapping) else own for key, own in mapping.items()})
+
+
+def checked_covariance(given: ArrayLike | None, names: tuple[str, ...]) -> NDArray[np.float64] | None:
+    """Return the covariance of these parameters if it can be one."""
+    if given is None:
+        return None
+    count = len(names)
+    try:
+        matrix = np.array(given, dtype=np.float64)
+    except (TypeError, ValueError, OverflowError):
+        message = f"covariance is no table of {count} rows of {count} numbers each: {', '.join(names)}"
+        raise ModelError(message) from None
+    if matrix.size == count == 0:
+        return np.zeros((0, 0))
+    if matrix.shape != (count, count):
+        message = f"covariance has shape {matrix.shape}; the model has {count} parameters: {', '.join(names)}"
+        raise ModelError(message)
+    if not np.isfinite(matrix).all():
+        raise ModelError("covariance has values that are not finite numbers")
+    variances = np.diag(matrix)
+    if (variances < 0.0).any():
+        message = f"covariance gives {names[int(np.argmin(variances))]} the variance {variances.min():g} < 0"
+        raise ModelError(message)
+    scale = np.sqrt(variances)
+    with np.errstate(over="ignore"):
+        apart = np.abs(matrix - matrix.T)
+    if (apart > _ROUNDING * np.multiply.outer(scale, scale)).any():
+        raise ModelError("covariance is not symmetric")
+    matrix.setflags(write=False)
+    return matrix
+
+
+def arranged_covariance(
+    given: ArrayLike | None, listed: tuple[str, ...], names: tuple[str, ...]
+) -> NDArray[np.float64] | None:
+    """Return a covariance of listed parameters in the order of names; those not listed were held fixed."""
+    matrix = checked_covariance(given, listed)
+    if matrix is None:
+        return None
+    whole = np.zeros((len(names), len(names)))
+    places = [names.index(name) for name in listed]
+    whole[np.ix_(places, places)] = matrix
+    whole.setflags(write=False)
+    return whole

@@ -13,11 +13,8 @@ from echocal import _core
 from echocal.conditions import columns, refuse_unknown
 from echocal.errors import ModelError
 from echocal.model import added, arguments, document, expressions, needs, uncertainty
-from echocal.model import covariance as covariances
-from echocal.model.fixed import fixed
 from echocal.model.residual_uncertainty import ResidualUncertainty
-from echocal.model.shape import DISTANCE, Shape
-from echocal.model.smooth import Smooth
+from echocal.model.shape import DISTANCE, Shape, Smooth
 from echocal.quantities import QUANTITIES
 from echocal.registry import find_effect
 from echocal.shown import Shown
@@ -99,12 +96,14 @@ class Model(Shown):
         arguments.refuse_standstill(self._core.law)
         own = {id_: arguments.by_name(id_, values) for id_, values in self._core.terms}
         self._set(
-            air=fixed(needs.assumed(air or {})),
-            effects=fixed(own),
-            covariance=covariances.checked(covariance, tuple(f"{id_}.{p}" for id_ in own for p in own[id_])),
-            provenance=fixed(provenance or {}),
+            air=arguments.fixed(needs.assumed(air or {})),
+            effects=arguments.fixed(own),
+            covariance=arguments.checked_covariance(
+                covariance, tuple(f"{id_}.{p}" for id_ in own for p in own[id_])
+            ),
+            provenance=arguments.fixed(provenance or {}),
             shape=shape,
-            given_columns=fixed(needs.of_thermometers(columns or {})),
+            given_columns=arguments.fixed(needs.of_thermometers(columns or {})),
             residual_uncertainty=residual_uncertainty,
         )
 
@@ -320,11 +319,11 @@ class Model(Shown):
 
     def with_provenance(self, provenance: Mapping[str, Any]) -> "Model":
         """The same model with another record of where it comes from."""
-        return copy.copy(self)._set(provenance=fixed(provenance))
+        return copy.copy(self)._set(provenance=arguments.fixed(provenance))
 
     def with_covariance(self, covariance: ArrayLike) -> "Model":
         """The same model with another covariance of its parameters, in the order of `parameter_names`."""
-        return copy.copy(self)._set(covariance=covariances.checked(covariance, self.parameter_names))
+        return copy.copy(self)._set(covariance=arguments.checked_covariance(covariance, self.parameter_names))
 
     def with_residual_uncertainty(self, residual: ResidualUncertainty | None) -> "Model":
         """The same model with another residual uncertainty."""

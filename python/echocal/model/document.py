@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 
 from echocal.errors import ModelError, UsageError
 from echocal.model.residual_uncertainty import ResidualUncertainty
-from echocal.model.shape import Shape
-from echocal.model.smooth import Smooth
+from echocal.model.shape import Shape, Smooth
 from echocal.outputs import replace_text
 from echocal.registry import find_effect
 
@@ -79,10 +78,7 @@ def digest(document: dict[str, Any]) -> str:
 def sha256(data: Any) -> str:
     """SHA-256 of plain data in canonical form.
 
-    Raises
-    ------
-    TypeError, ValueError
-        If it is not plain data with finite numbers.
+    Raises `TypeError`, `ValueError` if it is not plain data with finite numbers.
     """
     canonical = json.dumps(data, sort_keys=True, separators=(",", ":"), allow_nan=False)
     return hashlib.sha256(canonical.encode()).hexdigest()
@@ -91,10 +87,8 @@ def sha256(data: Any) -> str:
 def text_of(model: Described) -> str:
     """A model's file as text.
 
-    Raises
-    ------
-    TypeError, ValueError, RecursionError
-        If its provenance is not plain data with finite numbers.
+    Raises `TypeError`, `ValueError`, `RecursionError` if its provenance is not plain data with finite
+    numbers.
     """
     document = content(model)
     complete = {**document, "hash": digest(document), "data": model.provenance}

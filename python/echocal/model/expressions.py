@@ -23,7 +23,8 @@ def among(first: object, conditions: Mapping[str, object]) -> bool:
 def over(function: Callable[..., Any], first: Any, conditions: Mapping[str, Any], name: str) -> Any:
     """Return the expression of a function of rows.
 
-    Every row is independent, so polars may split the rows as it likes: the results are the same.
+    Every row is independent, so polars may split the rows as it likes: the results are the same. Raises
+    `UsageError` if `out` or `n_threads` is given: polars decides on both.
 
     Parameters
     ----------
@@ -35,11 +36,6 @@ def over(function: Callable[..., Any], first: Any, conditions: Mapping[str, Any]
         The conditions; None is not given.
     name : str
         Name of the column that results.
-
-    Raises
-    ------
-    UsageError
-        If `out` or `n_threads` is given: polars decides on both.
     """
     import polars as pl
 

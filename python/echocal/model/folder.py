@@ -1,4 +1,4 @@
-"""A folder of models, one for each key: the model of every sensor of a fleet.
+"""Folders of models, one for each key: how files are named, and how they are read.
 
 The model of a key is in the file of its name, with signs that a file name may not have replaced by ``_``, and
 with a hash in place of the end where it is too long (`echocal.diagnose_fleet` writes them so).
@@ -10,7 +10,7 @@ import hashlib
 import json
 import os
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +18,7 @@ from echocal.errors import DataError, ModelError
 from echocal.keywords import keyword
 from echocal.model.composition import Model
 
-__all__ = ["INDEX", "WHOLE", "ModelFolder", "file_name", "label"]
+__all__ = ["INDEX", "WHOLE", "ModelFolder", "file_name", "index_text", "label", "named"]
 
 INDEX = "index.json"
 _SCHEMA = "echocal.models/1"
@@ -34,7 +34,6 @@ def file_name(key: str, *, taken: bool = False) -> str:
 
     Parameters
     ----------
-    key : str
     taken : bool
         Whether another key has that name: this one then has the hash, too.
 
@@ -73,10 +72,7 @@ def label(value: Any) -> str:
 class ModelFolder:
     """Models by key, read when they are asked for.
 
-    Raises
-    ------
-    ModelError
-        If the folder or its index cannot be read.
+    Raises `ModelError` if the folder or its index cannot be read.
     """
 
     def __init__(self, folder: Path) -> None:
@@ -91,12 +87,7 @@ class ModelFolder:
     def model(self, key: str) -> Model | None:
         """The model of a key; None where there is none.
 
-        Raises
-        ------
-        ModelError
-            If its file is no model.
-        DataError
-            If two keys would have the same file.
+        Raises `ModelError` if its file is no model, and `DataError` if two keys would have the same file.
         """
         if key not in self._models:
             file = self._file(key)
@@ -106,13 +97,7 @@ class ModelFolder:
         return self._models[key]
 
     def digest(self) -> str:
-        """SHA-256 of the names and contents of all files.
-
-        Raises
-        ------
-        ModelError
-            If one cannot be read.
-        """
+        """SHA-256 of the names and contents of all files. Raises `ModelError` if one cannot be read."""
         total = hashlib.sha256()
         for file in sorted(self.folder.glob("*.json")):
             try:
@@ -151,3 +136,32 @@ def _read_index(file: Path) -> Mapping[str, str] | None:
         )
         raise ModelError(message) from None
     return {str(key): name for key, name in models.items()}
+
+
+def named(keys: Iterable[str], taken: Iterable[str] = ()) -> dict[str, str]:
+    """File of each key: the key with signs that a file name may have; one that is taken gets a number.
+
+    Parameters
+    ----------
+    taken : iterable of str
+        Names of other files, besides the index.
+
+    Examples
+    --------
+    >>> named(["tank 7", "tank_7"])
+    {'tank 7': 'tank_7.json', 'tank_7': 'tank_7-3de28510.json'}
+    """
+    files: dict[str, str] = {}
+    used = {INDEX, *taken}
+    for key in keys:
+        name = file_name(key)
+        if name.lower() in used:
+            name = file_name(key, taken=True)
+        used.add(name.lower())
+        files[key] = name
+    return files
+
+
+def index_text(models: Mapping[str, str]) -> str:
+    """The index of a folder of models: which file has the model of which key."""
+    return json.dumps({"schema": _SCHEMA, "models": dict(models)}, indent=1, ensure_ascii=False) + "\n"

@@ -20,24 +20,16 @@ __all__ = ["Needs", "assumed", "of", "of_thermometers"]
 
 @dataclass(frozen=True)
 class Needs:
-    """Influence quantities that a model requires or excludes, each with the law or effect that does so.
-
-    Attributes
-    ----------
-    required : mapping of str to str
-        Quantities that must be given, with the law or effect that needs them.
-    excluded : mapping of str to str
-        Quantities that must not be given, with the effect that replaces them.
-    arithmetic : frozenset of str
-        Required quantities that only the arithmetic of the device reads, after the echo time.
-    laws : mapping of str to str or None
-        Laws whose domain counts, with the effect that calls them (None: the model's own).
-    """
+    """Influence quantities that a model requires or excludes, each with the law or effect that does so."""
 
     required: Mapping[str, str]
+    """Quantities that must be given, with the law or effect that needs them."""
     excluded: Mapping[str, str]
+    """Quantities that must not be given, with the effect that replaces them."""
     arithmetic: frozenset[str]
+    """Required quantities that only the arithmetic of the device reads, after the echo time."""
     laws: Mapping[str, str | None]
+    """Laws whose domain counts, with the effect that calls them (None: the model's own)."""
 
     def check(self, conditions: Mapping[str, ArrayLike], *, times: bool = False) -> None:
         """Raise `DataError` where what is given does not fit the model, or its echo times alone."""

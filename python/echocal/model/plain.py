@@ -20,10 +20,7 @@ def to_plain(model: Model) -> dict[str, Any]:
 def from_plain(plain: dict[str, Any], origin: str = "the model of the task") -> Model:
     """The model of plain data; it is checked as a file is.
 
-    Raises
-    ------
-    ModelError
-        If it is no valid model, or does not match its hash; the text begins with `origin`.
+    Raises `ModelError` if it is no valid model, or does not match its hash; the text begins with `origin`.
 
     Examples
     --------

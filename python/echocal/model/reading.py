@@ -11,11 +11,10 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, NonNegativeFloat, NonNegativeInt, ValidationError
 
 from echocal.errors import ModelError, UsageError
-from echocal.model.covariance import arranged
+from echocal.model.arguments import arranged_covariance
 from echocal.model.document import NEWEST, SCHEMA, digest
 from echocal.model.residual_uncertainty import ResidualUncertainty
-from echocal.model.shape import Shape
-from echocal.model.smooth import Smooth
+from echocal.model.shape import Shape, Smooth
 from echocal.registry import find_effect
 
 __all__ = ["built"]
@@ -90,15 +89,12 @@ M = TypeVar("M", bound=_Model)
 def built(model: Callable[..., M], path: Path, text: str | None = None) -> M:
     """Build the model of a file; with a text, this is its content.
 
-    Raises
-    ------
-    ModelError
-        If it is no valid model, or does not match its hash; the text begins with the path.
+    Raises `ModelError` if it is no valid model, or does not match its hash; the text begins with the path.
     """
     given, covariance, listed = _read(path, text)
     try:
         bare = model(**given)
-        own = arranged(covariance, listed, bare.parameter_names)
+        own = arranged_covariance(covariance, listed, bare.parameter_names)
         return bare if own is None else bare.with_covariance(own)
     except ModelError as error:
         message = f"{path}: {error}"

@@ -11,8 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from echocal.errors import DataError, DomainWarning
 from echocal.model import added
 from echocal.model.residual_uncertainty import ResidualUncertainty
-from echocal.model.shape import Shape
-from echocal.model.smooth import Smooth
+from echocal.model.shape import Shape, Smooth
 
 __all__ = ["Parts", "parts", "standard_uncertainty", "stated"]
 
@@ -36,24 +35,17 @@ class Uncertain(Protocol):
 
 @dataclass(frozen=True)
 class Parts:
-    """Parts of the standard uncertainty of corrected distances.
-
-    Attributes
-    ----------
-    sensitivities : ndarray, shape (..., n), or None
-        Change of a distance with each parameter [m per unit]; None where the parameters are not uncertain.
-    covariance : ndarray, shape (n, n), or None
-        Of the parameters.
-    shape : ndarray
-        Standard uncertainty from an unexplained term or a smooth correction [m].
-    residual : ndarray
-        That of the repeatability and of what the model leaves unexplained [m].
-    """
+    """Parts of the standard uncertainty of corrected distances."""
 
     sensitivities: Values | None
+    """Change of a distance with each parameter [m per unit]; None where the parameters are not uncertain;
+    shape (..., n)."""
     covariance: Values | None
+    """Of the parameters; shape (n, n)."""
     shape: Values
+    """Standard uncertainty from an unexplained term or a smooth correction [m]."""
     residual: Values
+    """That of the repeatability and of what the model leaves unexplained [m]."""
 
     @property
     def variance(self) -> Values:
@@ -77,7 +69,6 @@ def standard_uncertainty(
 
     Parameters
     ----------
-    model : Model
     distance : array_like
         Corrected distances [m].
     conditions : mapping of str to array_like

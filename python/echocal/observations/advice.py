@@ -12,8 +12,7 @@ from echocal.observations.misspelled import meant as meant_by
 from echocal.observations.names import INSPECT, looks_like, unit_of
 from echocal.observations.plan import Assignment, Plan
 from echocal.observations.proposals import Proposal, propose, unfit
-from echocal.observations.units import FORMS, Form
-from echocal.observations.units_said import split_unit
+from echocal.observations.units import FORMS, Form, split_unit
 from echocal.observations.vocabulary import LENGTH, LEVELS, TOKEN
 
 if TYPE_CHECKING:

@@ -19,13 +19,7 @@ _NULLABLE = {f"{sign}int{bits}": f"{sign.upper()}Int{bits}" for sign in ("", "u"
 
 
 def arrow(what: str = "Parquet") -> Any:
-    """The Arrow library, which `what` needs.
-
-    Raises
-    ------
-    UsageError
-        If it is not installed.
-    """
+    """The Arrow library, which `what` needs. Raises `UsageError` if it is not installed."""
     try:
         for part in ("compute", "parquet"):
             import_module(f"pyarrow.{part}")
@@ -47,12 +41,7 @@ def has_arrow() -> bool:
 def read_parquet(path: Path) -> tuple[Table, str]:
     """Read a Parquet file, every type as it was stored, and the compression of its columns.
 
-    Raises
-    ------
-    UsageError
-        If pyarrow is not installed.
-    DataError
-        If the file cannot be read.
+    Raises `UsageError` if pyarrow is not installed, and `DataError` if the file cannot be read.
     """
     pa = arrow()
     try:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from echocal.errors import DataError
 from echocal.keywords import keyword
 from echocal.model import Model
-from echocal.observations import checks, clock, labels, odd_times
+from echocal.observations import checks, clock, labels
 from echocal.observations.advice import no_echo, which_temperature
 from echocal.observations.alike import line_between
 from echocal.observations.derived import derived
@@ -117,7 +117,7 @@ class Assembly:
                 self.notes.append(f"the times are those of UTC{zone}, as the name '{source.column}' says")
                 self.time_zone = zone
             self.time, outside = clock.instants(given, source.column, self.time_zone, self.time_format)
-            unset = np.zeros(len(outside), dtype=np.bool_) if self.part else odd_times.not_set(self.time)
+            unset = np.zeros(len(outside), dtype=np.bool_) if self.part else clock.not_set(self.time)
             self.time = np.where(unset, np.datetime64("NaT"), self.time)
             values = clock.elapsed(self.time, None if self.part is None else self.part.start)
             self._mark(outside, f"{source.column} out of range", source)
@@ -141,7 +141,7 @@ class Assembly:
         values = source.unit.to_si(values)
         if quantity == "elapsed_time":
             if self.part is None and source.column not in self.trusted:
-                self._refuse_or_keep(source, odd_times.refuse_other_clock, values, source)
+                self._refuse_or_keep(source, clock.refuse_other_clock, values, source)
             values = self._since_start(values)
             if self.part is None:
                 self.notes += self._order(values, source)
@@ -149,7 +149,7 @@ class Assembly:
 
     def _order(self, values: Column, source: Assignment) -> list[str]:
         bursts = bool({"group", "order"} & set(self.plan.assignments))
-        return [*checks.newest_first(values, source), *odd_times.said_of_order(values, source, bursts=bursts)]
+        return [*checks.newest_first(values, source), *clock.said_of_order(values, source, bursts=bursts)]
 
     def _numbers(self, column: str, source: Assignment | None = None) -> Column:
         """Numbers of a column; a few texts in it make their rows unusable."""

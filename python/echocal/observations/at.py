@@ -2,17 +2,22 @@
 
 import re
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
+import numpy as np
 import pandas as pd
 
 from echocal.errors import UsageError, among
 from echocal.keywords import keyword
+from echocal.model import Model
+from echocal.observations.echoes import DEFAULT_SPEED
 from echocal.observations.names import by_name
+from echocal.observations.table import Observations
 from echocal.observations.units import NAMES
 from echocal.quantities import QUANTITIES
 
-__all__ = ["ALSO", "conditions_at", "parsed", "sentences", "uncertainties_of"]
+__all__ = ["ALSO", "conditions_at", "parsed", "sentences", "shifted", "uncertain", "uncertainties_of"]
 
 ALSO = {"temperature": "temperature_C", "humidity": "humidity_percent", "pressure": "pressure_hPa"}
 """Names without a unit: degC, percent, hPa."""
@@ -25,10 +30,7 @@ _PER_KELVIN = 0.5 / 293.15
 def parsed(texts: Mapping[str, Any]) -> dict[str, tuple[str, float, float]]:
     """Column, value and standard uncertainty by quantity, in the unit of the column.
 
-    Raises
-    ------
-    UsageError
-        If a name is none of a condition, or a value no number.
+    Raises `UsageError` if a name is none of a condition, or a value no number.
 
     Examples
     --------
@@ -55,10 +57,7 @@ def parsed(texts: Mapping[str, Any]) -> dict[str, tuple[str, float, float]]:
 def conditions_at(given: Mapping[str, Any] | None, table: pd.DataFrame) -> dict[str, tuple[float, float]]:
     """Add a column for each stated condition; values and standard uncertainties [SI] by quantity.
 
-    Raises
-    ------
-    UsageError
-        If the table has a column of this condition.
+    Raises `UsageError` if the table has a column of this condition.
     """
     stated = {}
     for quantity, (column, value, uncertainty) in parsed(given or {}).items():
@@ -122,3 +121,29 @@ def _shown(quantity: str, value: float, uncertainty: float) -> str:
     }.get(quantity, (1.0, QUANTITIES[quantity].unit))
     spread = f" +- {uncertainty * factor:g}" if uncertainty else ""
     return f"{value * factor:g}{spread} {unit}"
+
+
+def uncertain(observations: Observations) -> dict[str, float]:
+    """Standard uncertainty [SI] of the conditions that are stated with one."""
+    return {name: u for name, (_, u) in observations.stated.items() if u > 0.0}
+
+
+def shifted(observations: Observations, quantity: str, step: float) -> Observations:
+    """The observations if a stated condition were higher by a step [SI].
+
+    Readings that a firmware made with this condition become other echo times.
+    """
+    value, _ = observations.stated[quantity]
+    conditions = {**observations.conditions, quantity: observations.conditions[quantity] + step}
+    changed = replace(
+        observations,
+        conditions=conditions,
+        stated={**observations.stated, quantity: (value + step, 0.0)},
+        notes=(),
+    )
+    reading = observations.reading
+    if reading is None or "echo_time" in observations.source_names:
+        return changed
+    firmware = Model(observations.reading_speed or DEFAULT_SPEED)
+    given: Mapping[str, np.ndarray | float] = {n: v for n, v in conditions.items() if n in firmware.reads}
+    return replace(changed, echo_time=firmware.time_of_flight(reading, **(given or {"temperature": 0.0})))

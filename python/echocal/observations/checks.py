@@ -41,10 +41,7 @@ Ends = tuple[float, float]
 def refuse_without_values(values: Column, source: Assignment, trusted: Collection[str]) -> None:
     """Refuse a column that would make every row unusable; but a diagnosis names a dead sensor.
 
-    Raises
-    ------
-    DataError
-        If no row has a value.
+    Raises `DataError` if no row has a value.
     """
     column = source.column
     if EVERYTHING in trusted and source.form.quantity in QUANTITIES and len(values):
@@ -60,10 +57,7 @@ def refuse_without_values(values: Column, source: Assignment, trusted: Collectio
 def refuse_truth(values: pd.Series[Any], assignment: Assignment) -> None:
     """Refuse true and false where a quantity is measured.
 
-    Raises
-    ------
-    DataError
-        If the column holds truth values.
+    Raises `DataError` if the column holds truth values.
     """
     if pd.api.types.is_bool_dtype(values):
         column, what = assignment.column, assignment.form.role.replace("_", " ")
@@ -111,6 +105,8 @@ def outside_years(given: pd.Series[Any], outside: Mask, assignment: Assignment) 
 def refuse_other_unit(values: Column, seen: Ends, assignment: Assignment, trusted: Collection[str]) -> None:
     """Refuse a column that is in another unit, by the look of its median.
 
+    Raises `DataError` if the median cannot be, or is ordinary only in another unit.
+
     Parameters
     ----------
     values : ndarray, shape (n,)
@@ -119,11 +115,6 @@ def refuse_other_unit(values: Column, seen: Ends, assignment: Assignment, truste
         Their `ends`.
     trusted : collection of str
         Columns that the user declares to be right.
-
-    Raises
-    ------
-    DataError
-        If the median cannot be, or is ordinary only in another unit.
     """
     column, form, unit = assignment.column, assignment.form, assignment.unit
     usual = form.typical or form.physical

@@ -1,13 +1,14 @@
-"""Columns that are not taken for a quantity by their names alone, because of their values."""
+"""Columns that are not taken for a quantity by their names alone, and columns that tell sensors apart."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import pandas as pd
 
 from echocal.keywords import keyword
-from echocal.observations.fields import span
+from echocal.observations.fields import shown, span
 from echocal.observations.hints import hint, role_of
 
 if TYPE_CHECKING:
@@ -15,12 +16,29 @@ if TYPE_CHECKING:
 
     import pandas as pd
 
-__all__ = ["doubtful_in"]
+__all__ = ["doubtful_in", "note_of", "sensors_in"]
 
 _GAPS = 0.1  # of the rows with a reading: they would be lost for a quantity that is not needed
 _MOST = 0.5  # of them, for the temperature, which nearly every law needs
 _STEPS = (1e-3, 7 * 86400.0)  # s: between two rows of a log
 _CODES = 10  # different values: a quality number has more, a flag of a quality control has fewer
+_NAMES = (
+    "sensor",
+    "sensor_id",
+    "device",
+    "device_id",
+    "dev_eui",
+    "deveui",
+    "node",
+    "unit",
+    "id",
+    "mac",
+    "host",
+    "station_id",
+    "serial",
+    "sn",
+)
+_FEW = 5  # rows of a sensor on average, at least
 
 
 def doubtful_in(table: pd.DataFrame, requests: Mapping[str, str] | None = None) -> dict[str, str]:
@@ -30,7 +48,6 @@ def doubtful_in(table: pd.DataFrame, requests: Mapping[str, str] | None = None) 
 
     Parameters
     ----------
-    table : DataFrame
     requests : mapping of str to str, optional
         What the user and the log say about columns.
 
@@ -83,3 +100,42 @@ def _without_unit(name: str, values: pd.Series[float]) -> str:
     told = ", ".join(f"{keyword('columns', {name: unit})} ({span(own)})" for unit, own in ways.items())
     use = "to use it, say the step between rows:"
     return f"counts time in an unknown unit and is not used; {use} {told}"
+
+
+def sensors_in(table: pd.DataFrame) -> dict[str, int]:
+    """Columns called as ids of sensors are, with the number of their different values, if these are few."""
+    found = {}
+    for name in table.columns:
+        if str(name).strip().lower().replace(" ", "_") not in _NAMES:
+            continue
+        count = _distinct(table[name])
+        if 1 < count <= max(len(table) // _FEW, 1):
+            found[str(name)] = count
+    return found
+
+
+def note_of(table: pd.DataFrame, used: set[str]) -> str:
+    """Say that a table that is taken for one sensor holds several; empty if it does not.
+
+    Parameters
+    ----------
+    used : set of str
+        Columns that the user gives a meaning.
+    """
+    for name, count in sensors_in(table).items():
+        if name not in used:
+            values = ", ".join(shown(str(value)) for value in table[name].dropna().unique()[:3])
+            more = ", ..." if count > 3 else ""
+            return (
+                f"column '{name}' has {count} values ({values}{more}), which may be as many sensors; they "
+                f"are taken for one. Each alone: {keyword('by', name)}; if they are one: "
+                f"{keyword('columns', {name: 'extra'})}"
+            )
+    return ""
+
+
+def _distinct(values: pd.Series[Any]) -> int:
+    try:
+        return int(values.nunique())
+    except TypeError:  # lists, which have no hash
+        return 0

@@ -29,6 +29,9 @@ _SPEEDS = (200.0, 600.0)
 class FirmwareSpeed:
     """The speed of sound that the firmware turned echo times into readings with.
 
+    Raises `ModelError` if the text is no law, and `DataError` if the law needs a temperature that the table
+    does not have.
+
     Parameters
     ----------
     text : str, float or None
@@ -37,13 +40,6 @@ class FirmwareSpeed:
         Recorded influence quantities.
     thermometer : callable
         Says what to map if there is no temperature: ``"NAME=temperature_C"``.
-
-    Raises
-    ------
-    ModelError
-        If the text is no law.
-    DataError
-        If the law needs a temperature that the table does not have.
     """
 
     def __init__(
@@ -81,10 +77,7 @@ class FirmwareSpeed:
     def echo_time(self, reading: Column, usable: NDArray[np.bool_]) -> Column:
         """Echo time [s] of a reading [m].
 
-        Raises
-        ------
-        DataError
-            If the speed is none that a usable row can have been made with.
+        Raises `DataError` if the speed is none that a usable row can have been made with.
         """
         used = {name: np.where(usable, values, np.nan) for name, values in self._conditions.items()}
         told = reading if usable.all() else np.where(usable, reading, np.nan)
@@ -157,10 +150,7 @@ def disagreeing(
 ) -> NDArray[np.bool_]:
     """Rows whose reading is not what the firmware makes of the echo time.
 
-    Raises
-    ------
-    DataError
-        If that is most rows.
+    Raises `DataError` if that is most rows.
     """
     expected = speed.reading(echo_time)
     # any speed that firmware uses is within 10 % of any law; 10 mm is integer centimeters

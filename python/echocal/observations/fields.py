@@ -87,13 +87,7 @@ def is_empty(field: Any) -> bool:
 
 
 def refuse_object(column: str, position: int, field: object) -> None:
-    """Refuse a field that is no single value.
-
-    Raises
-    ------
-    DataError
-        If it is not.
-    """
+    """Refuse a field that is no single value. Raises `DataError` if it is not."""
     if (isinstance(field, _SCALARS) and not _signals(field)) or any(field is none for none in _NONE):
         return
     what = "a signaling NaN" if _signals(field) else f"a value of type {type(field).__name__}"

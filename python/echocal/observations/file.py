@@ -148,13 +148,7 @@ class TextFile:
 
 
 def is_parquet(path: Path) -> bool:
-    """Whether a file begins as Parquet does.
-
-    Raises
-    ------
-    DataError
-        If it cannot be opened.
-    """
+    """Whether a file begins as Parquet does. Raises `DataError` if it cannot be opened."""
     with _opened(path) as file:
         return file.read(4) == _PARQUET
 

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
-from typing import Any
+from typing import Any, Literal
 
 import pandas as pd
 
 from echocal.keywords import keyword
-from echocal.observations.join import Join
+from echocal.observations.fields import rows, span
 from echocal.observations.layout import Head, Layout
 
-__all__ = ["CORRUPT", "CUT", "NOT_READ", "Found", "found_in", "keep", "pointed", "said_of"]
+__all__ = ["CORRUPT", "CUT", "NOT_READ", "Found", "Join", "found_in", "keep", "pointed", "said_of", "told"]
 
 CORRUPT = "corrupt line"
 """Reason of a row with more fields than its header."""
@@ -24,6 +24,41 @@ _KEY = "echocal"
 
 NOT_READ = "\0not read"
 """Column beside those of a text: why a row is not read."""
+
+
+@dataclass(frozen=True)
+class Join:
+    """How a column came to the rows of a table: its values were recorded at other times."""
+
+    how: Literal["interpolated", "nearest", "ordered"]
+    """``ordered``: as the values follow each other in a log without a clock."""
+    interval_s: float
+    """Usual time between two of its values [s]: half of the record lies in shorter ones."""
+    limit_s: float
+    """Longest time between two values that it was joined over [s]."""
+    without: int
+    """Rows that have no value, because no value is near enough."""
+
+    def __str__(self) -> str:
+        if self.how == "ordered":
+            return "in the order of the log, which has no clock"
+        way = "interpolated in time" if self.how == "interpolated" else "the nearest in time"
+        apart = (
+            f" (values {span(self.interval_s)} apart, up to {span(self.limit_s)})" if self.interval_s else ""
+        )
+        none = f", no value near enough for {rows(self.without)}" if self.without else ""
+        return f"{way}{apart}{none}"
+
+
+def told(joined: Mapping[str, Join]) -> list[str]:
+    """A sentence for each way in which columns were joined."""
+    ways: dict[str, list[str]] = {}
+    for column, join in joined.items():
+        ways.setdefault(str(join), []).append(f"'{column}'")
+    return [
+        f"{', '.join(names)} {'has' if len(names) == 1 else 'have'} other times than the rows: {way}"
+        for way, names in ways.items()
+    ]
 
 
 @dataclass(frozen=True)

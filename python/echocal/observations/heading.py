@@ -11,7 +11,7 @@ from echocal.keywords import keyword
 from echocal.observations.layout import Head, Layout
 from echocal.observations.limits import refuse_names
 from echocal.observations.quotes import Marks
-from echocal.observations.units_said import is_unit_row
+from echocal.observations.units import is_unit_row
 
 __all__ = [
     "FIRST",
@@ -62,10 +62,7 @@ def too_long(line: str) -> DataError:
 def head_in(lines: list[str], layout: Layout, path: str) -> Head:
     """Find the header in the first lines below those that are skipped.
 
-    Raises
-    ------
-    DataError
-        If there is none.
+    Raises `DataError` if there is none.
     """
     skip, before, lines = _first_lines(lines, layout.skip_lines, path)
     head = find_head(lines, skip, before)

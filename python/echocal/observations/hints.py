@@ -8,8 +8,7 @@ from echocal.errors import DataError
 from echocal.keywords import keyword
 from echocal.observations.found import Found
 from echocal.observations.names import IGNORE, by_name, by_request, is_level_name
-from echocal.observations.units import NAMES
-from echocal.observations.units_said import split_unit, symbol_of
+from echocal.observations.units import NAMES, split_unit, symbol_of
 from echocal.observations.vocabulary import (
     CLOCK_UNITS,
     CLOCKS,

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from echocal.errors import DataError
 from echocal.observations.dates import CLOCK, as_iso, unwrapped_clock
+from echocal.observations.found import Join
 from echocal.observations.hints import hint
-from echocal.observations.join import Join
 from echocal.observations.units import NAMES
 
 __all__ = ["Clock", "clock_of", "counts_per_second", "joined", "spread"]
@@ -42,18 +42,10 @@ _EVEN = 2.0  # ratio of long to usual intervals up to which they are even
 
 @dataclass(frozen=True)
 class Clock:
-    """Times of the rows of a log.
+    """Times of the rows of a log."""
 
-    Attributes
-    ----------
-    times : ndarray, shape (n,)
-        Since any instant; NaN where there is none.
-    in_seconds : bool
-        Whether they are seconds. Else they count in a unit that the log does not tell.
-    """
-
-    times: Column
-    in_seconds: bool = True
+    times: Column  # since any instant; NaN where there is none; shape (n,)
+    in_seconds: bool = True  # whether they are seconds. Else they count in a unit that the log does not tell.
 
 
 def joined(clock: Clock, at: Any, where: Any, values: Column, *, smooth: bool) -> tuple[Column, Join]:
@@ -65,7 +57,6 @@ def joined(clock: Clock, at: Any, where: Any, values: Column, *, smooth: bool) -
 
     Parameters
     ----------
-    clock : Clock
     at : ndarray of int or bool
         Its rows that need a value.
     where : ndarray of int or bool

@@ -12,6 +12,7 @@ import numpy as np
 import pandas as pd
 
 from echocal.errors import EchocalError
+from echocal.observations.doubtful import note_of, sensors_in
 from echocal.observations.fields import span
 from echocal.observations.found import found_in
 from echocal.observations.names import EXTRA, IGNORE
@@ -19,10 +20,9 @@ from echocal.observations.options import ReadOptions
 from echocal.observations.plan import refuse_absent
 from echocal.observations.proposals import Proposal, codes_in, propose
 from echocal.observations.reading import read_observations
-from echocal.observations.sensors import note_of, sensors_in
 from echocal.observations.source import load
 from echocal.observations.table import Observations
-from echocal.observations.units_said import split_unit
+from echocal.observations.units import split_unit
 
 __all__ = ["Clock", "ColumnFacts", "Inspection", "inspect_log"]
 
@@ -33,97 +33,57 @@ _SHOWN = 5
 
 @dataclass(frozen=True)
 class ColumnFacts:
-    """A column of a log.
-
-    Attributes
-    ----------
-    name, unit : str
-    proposal : Proposal
-    filled, missing : int
-        Rows with a value and without.
-    codes : list of float
-        Values that look like error codes.
-    least, median, most : float or None
-        Of the numbers.
-    histogram : list of int
-        Numbers in 10 classes from `least` to `most`, error codes left out.
-    examples : list of str
-        First different values of a column of text.
-    """
+    """A column of a log."""
 
     name: str
     unit: str
     proposal: Proposal
+    # filled, missing: rows with a value and without
     filled: int
     missing: int
     codes: list[float] = field(default_factory=list)
+    # least, median, most: of the numbers
+    """Values that look like error codes."""
     least: float | None = None
     median: float | None = None
     most: float | None = None
     histogram: list[int] = field(default_factory=list)
+    """Numbers in 10 classes from `least` to `most`, error codes left out."""
     examples: list[str] = field(default_factory=list)
+    """First different values of a column of text."""
 
 
 @dataclass(frozen=True)
 class Clock:
-    """The times of a log.
+    """The times of a log."""
 
-    Attributes
-    ----------
-    first, last : str
-        ISO 8601 in UTC, or seconds.
-    usual_step_s : float
-    gaps, backwards, equal : int
-        Steps of more than five usual ones, steps back, and rows with the time of the row before.
-    shown : list of str
-        The first of these, with their rows.
-    """
-
+    # first, last: ISO 8601 in UTC, or seconds
     first: str
     last: str
     usual_step_s: float
+    # gaps, backwards, equal: steps of more than five usual ones, steps back, and rows with the time of the
+    # row before
     gaps: int
     backwards: int
     equal: int
-    shown: list[str]
+    shown: list[str]  # the first of these, with their rows
 
 
 @dataclass(frozen=True)
 class Inspection:
-    """What a log holds.
+    """What a log holds."""
 
-    Attributes
-    ----------
-    kind : str
-        The format.
-    rows : int
-    columns : list of ColumnFacts
-    clock : Clock or None
-    sensors : dict of str to int
-        Columns that tell sensors apart, with the number of sensors.
-    notes : list of str
-    usable : int or None
-        Rows that can be used if the proposals are accepted; None where the table is refused.
-    refusal : str
-        Why it is refused.
-    table : pandas.DataFrame
-    requests : dict of str to str
-        The proposals, as `echocal.read_observations` takes `columns`.
-    missing : dict of str to list of str
-        Error codes, as it takes `missing`.
-    """
-
-    kind: str
+    kind: str  # the format
     rows: int
     columns: list[ColumnFacts]
     clock: Clock | None
-    sensors: dict[str, int]
+    sensors: dict[str, int]  # columns that tell sensors apart, with the number of sensors
     notes: list[str]
-    usable: int | None
-    refusal: str
+    usable: int | None  # rows that can be used if the proposals are accepted; None where the table is refused
+    refusal: str  # why it is refused
     table: pd.DataFrame
-    requests: dict[str, str]
-    missing: dict[str, list[str]]
+    requests: dict[str, str]  # the proposals, as `echocal.read_observations` takes `columns`
+    missing: dict[str, list[str]]  # error codes, as it takes `missing`
 
     def to_dict(self) -> dict[str, Any]:
         """The facts as JSON holds them."""
@@ -141,16 +101,12 @@ class Inspection:
 def inspect_log(path: Path, options: ReadOptions | None = None) -> Inspection:
     """Look at a log, without using it.
 
+    Raises `DataError` if the file cannot be read as a table of any kind.
+
     Parameters
     ----------
-    path : Path
     options : ReadOptions, optional
         What the user says already; ``missing`` by column.
-
-    Raises
-    ------
-    DataError
-        If the file cannot be read as a table of any kind.
     """
     options = options or ReadOptions()
     missing, how = dict(options.missing), options.given()

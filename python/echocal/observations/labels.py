@@ -19,10 +19,7 @@ _FEW = 50  # different texts from which on a column holds remarks, not kinds
 def codes(values: pd.Series[Any], column: str) -> NDArray[np.int64]:
     """Number the distinct values in the order in which they appear; -1 where empty.
 
-    Raises
-    ------
-    DataError
-        If a field is no single value.
+    Raises `DataError` if a field is no single value.
     """
     if pd.api.types.is_numeric_dtype(values) or pd.api.types.is_datetime64_any_dtype(values):
         return np.asarray(pd.factorize(values)[0], dtype=np.int64)
@@ -56,10 +53,7 @@ def few_codes(values: pd.Series[Any]) -> NDArray[np.int64] | None:
 def positions(values: pd.Series[Any], column: str) -> NDArray[np.int64]:
     """Whole numbers, bare or as the only number of a text (``Obs. 3``); -1 where empty.
 
-    Raises
-    ------
-    DataError
-        If a field has no whole number, or several.
+    Raises `DataError` if a field has no whole number, or several.
     """
     texts = fields(values, column)
     found = texts.str.extract(r"^\D*?(\d{1,18})(?:\.0)?\D*$", expand=False)

@@ -57,40 +57,26 @@ class Layout:
 
 @dataclass(frozen=True)
 class Head:
-    """What a delimited text begins with.
-
-    Attributes
-    ----------
-    above : int
-        Lines down to the names of the columns, which are the last of them.
-    separator : str
-    names : list of str
-        Columns; one without a name has one by its place.
-    below : int
-        Lines between the names and the first row: units, and how a logger made its values.
-    units : mapping of str to str
-        Units that these lines give, by column.
-    decimal : str
-    comments : bool
-        Whether lines that begin with # are comments below the names, too.
-    repeated : frozenset of str
-        The lines of the header: a logger that starts again writes them again.
-    kind : str
-        What a person calls the format.
-    nameless : bool
-        Whether the file has no names of columns.
-    """
+    """What a delimited text begins with."""
 
     above: int
+    """Lines down to the names of the columns, which are the last of them."""
     separator: str
     names: list[str]
+    """Columns; one without a name has one by its place."""
     below: int = 0
+    """Lines between the names and the first row: units, and how a logger made its values."""
     units: Mapping[str, str] = field(default_factory=dict)
+    """Units that these lines give, by column."""
     decimal: str = "."
     comments: bool = True
+    """Whether lines that begin with # are comments below the names, too."""
     repeated: frozenset[str] = frozenset()
+    """The lines of the header: a logger that starts again writes them again."""
     kind: str = "delimited text"
+    """What a person calls the format."""
     nameless: bool = False
+    """Whether the file has no names of columns."""
 
     @property
     def start(self) -> int:

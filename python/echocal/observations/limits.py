@@ -54,7 +54,6 @@ class Guarded(io.BufferedIOBase):
 
     Parameters
     ----------
-    file : binary file
     path : path
         How messages name it.
 
@@ -177,10 +176,7 @@ def refuse_cells(rows: int, columns: int, filled: int, where: object) -> None:
 def from_json(text: str, **options: Any) -> Any:
     """What a JSON text holds.
 
-    Raises
-    ------
-    ValueError
-        If it is no JSON, or has lists and objects in each other beyond the limit.
+    Raises `ValueError` if it is no JSON, or has lists and objects in each other beyond the limit.
 
     Examples
     --------

@@ -39,43 +39,29 @@ _SIGNS = (-1, 0, 1)
 
 @dataclass(frozen=True, kw_only=True)
 class RowRule:
-    """What makes a row unusable; it looks at the row, or at a few rows around.
-
-    Attributes
-    ----------
-    reason : str
-        Id of the fault: the reason code of the rows.
-    kind : str
-        ``equals``, ``at least`` and ``at most`` compare a quantity with `value`; ``during`` is from `value`
-        on, for less than `tolerance`; ``run`` is a run of
-        `length` or more equal values, after its first row; ``far from reference`` and ``far from
-        neighbors`` compare the corrected distance; with the quantity ``reference_distance``, ``far from
-        neighbors`` compares its error.
-    quantity : str
-        ``echo_time``, ``reading``, ``reference_distance`` or ``time`` (since 1970 in UTC), or an influence
-        quantity.
-    value : float
-        In SI units.
-    tolerance : float
-        Of an equal value, or length of a period, in SI units.
-    length : int
-    sign : int
-        Whether too short (-1), too long (1), or either (0).
-    deviation : float
-        Least deviation [m].
-    part : float
-        The same as a part of the distance; the larger one counts.
-    """
+    """What makes a row unusable; it looks at the row, or at a few rows around."""
 
     reason: str
+    """Id of the fault: the reason code of the rows."""
     kind: Kind
+    """``equals``, ``at least`` and ``at most`` compare a quantity with `value`; ``during`` is from `value`
+    on, for less than `tolerance`; ``run`` is a run of `length` or more equal values, after its first row;
+    ``far from reference`` and ``far from neighbors`` compare the corrected distance; with the quantity
+    ``reference_distance``, ``far from neighbors`` compares its error."""
     quantity: str = ""
+    """``echo_time``, ``reading``, ``reference_distance`` or ``time`` (since 1970 in UTC), or an influence
+    quantity."""
     value: float = 0.0
+    """In SI units."""
     tolerance: float = 0.0
+    """Of an equal value, or length of a period, in SI units."""
     length: int = 0
     sign: int = 0
+    """Whether too short (-1), too long (1), or either (0)."""
     deviation: float = 0.0
+    """Least deviation [m]."""
     part: float = 0.0
+    """The same as a part of the distance; the larger one counts."""
 
     def __post_init__(self) -> None:
         if self.kind not in get_args(Kind) or self.sign not in _SIGNS:
@@ -99,13 +85,7 @@ class RowRule:
 
 
 def rules_from(plain: object) -> tuple[RowRule, ...]:
-    """Rules from the data of a model file.
-
-    Raises
-    ------
-    ModelError
-        If it is no list of rules.
-    """
+    """Rules from the data of a model file. Raises `ModelError` if it is no list of rules."""
     if not isinstance(plain, list | tuple) or not all(isinstance(own, Mapping) for own in plain):
         message = f"the rules for rows are no list of objects: {plain!r:.60}"
         raise ModelError(message)
@@ -128,12 +108,10 @@ def marked(
 
     Parameters
     ----------
-    observations : Observations
     distance : ndarray, shape (n,)
         Corrected distances [m].
     reference : ndarray, shape (n,), or None
         Reference distances [m], where the table has some.
-    rules : tuple of RowRule
 
     Returns
     -------

@@ -5,8 +5,7 @@ from dataclasses import replace
 
 from echocal.errors import DataError, UsageError, among
 from echocal.keywords import command_line, keyword
-from echocal.observations.units import FORMS, NAMES, THERMOMETER, UNIT_WORDS, Form
-from echocal.observations.units_said import symbol_of
+from echocal.observations.units import FORMS, NAMES, THERMOMETER, UNIT_WORDS, Form, symbol_of
 
 __all__ = [
     "BELOW",

@@ -14,17 +14,19 @@ from numpy.typing import NDArray
 from echocal.errors import DataError, UsageError, among
 from echocal.keywords import keyword
 from echocal.observations.fields import fields, row, shown
-from echocal.observations.silence import says_no_echo
 
 __all__ = [
     "EMPTY",
     "EXACT",
+    "NO_ECHO",
     "NO_NUMBER",
     "NUMBER",
+    "SILENT",
     "Damage",
     "Missing",
     "is_damaged",
     "number_of",
+    "says_no_echo",
     "to_numbers",
 ]
 
@@ -61,6 +63,27 @@ NO_NUMBER = EMPTY | {
 _FEW = 10  # of so many fields, one may be no number
 
 Column = NDArray[np.float64]
+NO_ECHO = "no echo"
+"""Reason of a row whose line says that no echo came."""
+
+SILENT = (
+    r"time[ds]?[ _-]?out(?!\s*[:=]\s*\d)"
+    r"|out[ _-]of[ _-](?:max\w*[ _-])?range|(?:over|beyond)[ _-](?:max\w*[ _-])?range"
+    r"|no[ _-]?(?:echo|ping|pulse|object|obstacle|signal|reading|target|return|response|measure\w*|valid\w*)"
+    r"|retry(?:ing)?|invalid|too[ _-](?:far|close)|not[ _-](?:detected|valid)|lost[ _-](?:echo|ping|pulse)"
+    r"|(?:echo|ping|pulse)[ _-](?:was[ _-])?(?:lost|missed|missing)|nothing (?:in|within|detected)"
+)
+"""Words that say so, wherever the letters are small or large."""
+
+_WORDS = re.compile(
+    rf"(?i)(?<![a-z])(?:{SILENT}|error (?:getting|reading|measuring) (?:the )?distance)(?![a-z])"
+)
+_OTHERS = re.compile(
+    r"(?i)(?<![a-z])(?:wi-?fi|mqtt|ntp|https?|tcp|udp|socket|server|broker|connect\w*|dht\w*|temp\w*|humid\w*"
+    r"|dallas|ds18\w*|bme\w*|i2c|api|ota|dns|ip|client|login|password|lora\w*|modem|network)(?![a-z])"
+)
+"""Of which a line may speak instead."""
+_ECHO_OF_CODE = re.compile(r"\s+warnings\.warn\(")
 
 
 class Missing:
@@ -124,17 +147,14 @@ def to_numbers(
 ) -> Column:
     """Numbers of a column; NaN where the field is empty or holds an error code.
 
+    Raises `DataError` if a field holds text that is no number.
+
     Parameters
     ----------
     corrupt : list of int, optional
         Takes the places of texts that are no numbers, if at most a tenth of the fields is such; they are NaN.
     part : bool
         Whether the column goes on elsewhere: then `corrupt` takes all of them, and `Damage` judges the whole.
-
-    Raises
-    ------
-    DataError
-        If a field holds text that is no number.
     """
     if pd.api.types.is_datetime64_any_dtype(values) or pd.api.types.is_timedelta64_dtype(values):
         message = f"column '{column}' holds {values.dtype}, not numbers"
@@ -183,20 +203,11 @@ def is_damaged(value: Any, column: str, missing: Missing) -> bool:
 
 @dataclass(frozen=True)
 class Damage:
-    """Texts of a column that are no numbers: few of them are damage, and others a mistake.
-
-    Attributes
-    ----------
-    count : int
-    meant : bool
-        Whether one of them is meant as a number, as with a decimal comma.
-    distinct : frozenset of str
-        One of them, or two that differ.
-    """
+    """Texts of a column that are no numbers: few of them are damage, and others a mistake."""
 
     count: int = 0
-    meant: bool = False
-    distinct: frozenset[str] = frozenset()
+    meant: bool = False  # whether one of them is meant as a number, as with a decimal comma
+    distinct: frozenset[str] = frozenset()  # one of them, or two that differ
 
     @classmethod
     def of(cls, texts: pd.Series[Any]) -> Damage:
@@ -237,3 +248,16 @@ def _is_number(text: str) -> bool:
 
 def _listed(codes: Any) -> bool:
     return isinstance(codes, Collection) and not isinstance(codes, str)
+
+
+def says_no_echo(text: str) -> bool:
+    """Whether a line says that no echo came.
+
+    Examples
+    --------
+    >>> says_no_echo("'Tank' - Distance measurement timed out!"), says_no_echo("MQTT connection timed out")
+    (True, False)
+    >>> says_no_echo("Timeout: 11661 us")  # what it is set to
+    False
+    """
+    return bool(_WORDS.search(text)) and not (_OTHERS.search(text) or _ECHO_OF_CODE.match(text))

@@ -22,24 +22,16 @@ Column = NDArray[np.float64]
 
 @dataclass
 class Seen:
-    """Counts of a column, from which follows whether its median is ordinary.
+    """Counts of a column, from which follows whether its median is ordinary."""
 
-    Attributes
-    ----------
-    rows, finite, possible : int
-        Rows; those with a number; those of them whose number can be.
-    below, above : int
-        Possible numbers below and above the usual range of the quantity.
-    damage : Damage
-        Texts that are no numbers.
-    """
-
+    # rows, finite, possible: rows; those with a number; those of them whose number can be
     rows: int = 0
     finite: int = 0
     possible: int = 0
+    # below, above: possible numbers below and above the usual range of the quantity
     below: int = 0
     above: int = 0
-    damage: Damage = field(default_factory=Damage)
+    damage: Damage = field(default_factory=Damage)  # texts that are no numbers
 
     def __iadd__(self, other: "Seen") -> "Seen":
         for name in vars(self):
@@ -58,30 +50,20 @@ class Seen:
 
 @dataclass
 class Part:
-    """What a part of a table needs to know of the whole, and what it counts for it.
-
-    Attributes
-    ----------
-    start : datetime64 or float or None
-        Earliest time of the whole log: an instant in UTC, or a number in s. None: that of this part.
-    derived : mapping of str to ndarray, shape (n,)
-        Quantities that are derived from several rows.
-    counted : slice
-        Rows to count; the others are neighbors, which belong to another part.
-    seen : dict of str to Seen
-        By column.
-    disagreeing : list of int
-        Rows whose echo time and reading disagree, and rows that have both.
-    damage : dict of str to Damage
-        Texts that are no numbers, by column.
-    """
+    """What a part of a table needs to know of the whole, and what it counts for it."""
 
     start: np.datetime64 | float | None = None
+    """Earliest time of the whole log: an instant in UTC, or a number in s. None: that of this part."""
     derived: Mapping[str, Column] = field(default_factory=dict)
+    """Quantities that are derived from several rows; shape (n,)."""
     counted: slice = field(default_factory=lambda: slice(None))
+    """Rows to count; the others are neighbors, which belong to another part."""
     seen: dict[str, Seen] = field(default_factory=dict)
+    """By column."""
     disagreeing: list[int] = field(default_factory=lambda: [0, 0])
+    """Rows whose echo time and reading disagree, and rows that have both."""
     damage: dict[str, Damage] = field(default_factory=dict)
+    """Texts that are no numbers, by column."""
 
     def count_damage(self, column: str, values: "pd.Series[Any]", places: list[int]) -> None:
         """Take what texts of a column are no numbers, before its values are counted."""

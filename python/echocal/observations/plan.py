@@ -51,10 +51,7 @@ class Plan:
 def read_columns(columns: Mapping[str, str] | str | Path | None) -> dict[str, str]:
     """Requests by column, from a mapping or from a TOML file of the same pairs.
 
-    Raises
-    ------
-    UsageError
-        If the file cannot be read or holds anything but pairs of texts.
+    Raises `UsageError` if the file cannot be read or holds anything but pairs of texts.
     """
     if columns is None:
         return {}
@@ -90,12 +87,8 @@ def refuse_absent(names: Iterable[str], columns: Collection[str]) -> None:
 def make(columns: Collection[str], requests: Mapping[str, str], trusted: Collection[str] = ()) -> Plan:
     """Assign columns to quantities: what the user says goes first, then echocal's names.
 
-    Raises
-    ------
-    UsageError
-        If a request names a column that is not there, or no quantity.
-    DataError
-        If a name has no known unit, or two columns hold the same quantity.
+    Raises `UsageError` if a request names a column that is not there, or no quantity, and `DataError` if a
+    name has no known unit, or two columns hold the same quantity.
     """
     refuse_absent((*requests, *trusted), columns)
     assignments: dict[str, Assignment] = {}

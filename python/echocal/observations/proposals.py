@@ -19,8 +19,7 @@ from echocal.observations.fields import is_empty, shown
 from echocal.observations.found import Found
 from echocal.observations.hints import completed, hint, is_time_name, role_of, role_of_unit
 from echocal.observations.names import EXTRA, IGNORE, by_name, by_request, is_level_name
-from echocal.observations.units import NAMES
-from echocal.observations.units_said import has_foreign_unit, split_unit, symbol_of
+from echocal.observations.units import NAMES, has_foreign_unit, split_unit, symbol_of
 from echocal.observations.vocabulary import LEVELS, TOKEN
 
 __all__ = ["Proposal", "codes_in", "propose", "unfit"]

@@ -66,17 +66,14 @@ class Marks:
     def rows(self, lines: Iterable[str], first: int) -> int:
         """Count rows: lines that are not blank, and quoted fields over several lines as one.
 
+        Raises `DataError` if a quotation mark is not closed, is closed within a field, or swallows rows.
+
         Parameters
         ----------
         lines : iterable of str
             Lines below the header.
         first : int
             Number of the first of them in the file.
-
-        Raises
-        ------
-        DataError
-            If a quotation mark is not closed, is closed within a field, or swallows rows.
         """
         return sum(bool(record) for record, _ in self.records(lines, first))
 

@@ -13,8 +13,7 @@ from echocal.observations.table import Observations
 if TYPE_CHECKING:
     import pandas as pd
 
-    from echocal.observations.found import Found
-    from echocal.observations.join import Join
+    from echocal.observations.found import Found, Join
 
 __all__ = ["read_observations", "understood"]
 
@@ -168,10 +167,9 @@ def read_observations(
 
 def understood(table: "pd.DataFrame", asked: Mapping[str, str]) -> tuple[dict[str, str], "Found", list[str]]:
     """What columns hold by the user, the log, their names and units; what the log says; what to tell."""
-    from echocal.observations.doubtful import doubtful_in
+    from echocal.observations.doubtful import doubtful_in, note_of
     from echocal.observations.found import found_in
     from echocal.observations.hints import completed
-    from echocal.observations.sensors import note_of
 
     found = found_in(table)
     doubtful = doubtful_in(table, {**found.requests, **asked})

@@ -11,10 +11,9 @@ from numpy.typing import NDArray
 from echocal.errors import DataError, UsageError
 from echocal.keywords import keyword
 from echocal.observations import clock
-from echocal.observations.found import found_in
+from echocal.observations.found import Join, found_in, told
 from echocal.observations.hints import completed
 from echocal.observations.in_time import Clock, joined
-from echocal.observations.join import Join, told
 from echocal.observations.numbers import Missing, to_numbers
 from echocal.observations.options import ReadOptions
 from echocal.observations.plan import Assignment, make, refuse_absent
@@ -31,23 +30,18 @@ _APART = 1.5
 
 @dataclass(frozen=True)
 class SecondLog:
-    """A log that has the reference of another one.
+    """A log that has the reference of another one."""
 
-    Attributes
-    ----------
-    table : DataFrame
-        With its columns.
-    requests : mapping of str to str
-        Meaning of those that the user tells.
-    """
-
-    table: pd.DataFrame
-    requests: Mapping[str, str]
+    table: pd.DataFrame  # with its columns
+    requests: Mapping[str, str]  # meaning of those that the user tells
 
     def added_to(
         self, table: pd.DataFrame, requests: Mapping[str, str], how: ReadOptions
     ) -> tuple[pd.DataFrame, dict[str, str], dict[str, Join], float, list[str]]:
         """A table with the reference at its times.
+
+        Raises `DataError` if one of both has no time, the other has no reference, or no row has a value near
+        in time.
 
         Returns
         -------
@@ -60,11 +54,6 @@ class SecondLog:
             Standard uncertainty of the reference by the join [m].
         list of str
             What a person should know.
-
-        Raises
-        ------
-        DataError
-            If one of both has no time, the other has no reference, or no row has a value near in time.
         """
         own, said = _completed(self.table, self.requests)
         held = make(list(self.table.columns), own).assignments

@@ -23,6 +23,8 @@ __all__ = ["is_folder", "load", "refuse_unstreamed"]
 def load(source: Any, layout: Layout | None = None, *, sheet: str | None = None) -> pd.DataFrame:
     """Load a table, every row and every column of it.
 
+    Raises `DataError` if the source cannot be read as a table, and `UsageError` if the source is no table.
+
     Parameters
     ----------
     source : path, TextFile, DataFrame of any library, or mapping of str to array_like
@@ -31,13 +33,6 @@ def load(source: Any, layout: Layout | None = None, *, sheet: str | None = None)
         How a text file is written.
     sheet : str, optional
         Sheet of a spreadsheet.
-
-    Raises
-    ------
-    DataError
-        If the source cannot be read as a table.
-    UsageError
-        If the source is no table.
     """
     if isinstance(source, str | Path):
         source = TextFile(Path(source), layout or Layout())

@@ -15,7 +15,7 @@ from echocal.keywords import keyword
 from echocal.shown import Shown
 
 if TYPE_CHECKING:
-    from echocal.observations.join import Join
+    from echocal.observations.found import Join
 
 __all__ = ["Observations"]
 

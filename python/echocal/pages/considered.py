@@ -14,21 +14,11 @@ __all__ = ["Considered", "considered"]
 
 @dataclass(frozen=True)
 class Considered:
-    """A form that was tried for a request.
+    """A form that was tried for a request."""
 
-    Attributes
-    ----------
-    form : str
-        Its name, as `form` takes it.
-    made : Firmware or None
-        The proven function; None if the form cannot meet the bound.
-    reason : str
-        Why not; empty if it can.
-    """
-
-    form: str
-    made: Firmware | None
-    reason: str = ""
+    form: str  # its name, as `form` takes it
+    made: Firmware | None  # the proven function; None if the form cannot meet the bound
+    reason: str = ""  # why not; empty if it can
 
 
 def considered(
@@ -42,8 +32,6 @@ def considered(
 
     Parameters
     ----------
-    model : Model
-    target : str
     progress : callable, optional
         Called with the form, the number of finished ones and of all.
     **request

@@ -33,14 +33,12 @@ def firmware_page(
 
     Parameters
     ----------
-    made : Firmware
     model : Model
         The model that it follows.
     forms : sequence of Considered
         Forms that were tried.
     assumed : mapping of str to float, optional
         Values of conditions that the device does not measure.
-
     """
     report = made.report
     name = report["provenance"]["target"]

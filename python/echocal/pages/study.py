@@ -16,13 +16,7 @@ _MM = 1e3
 
 
 def study_page(study: Study) -> str:
-    """The study as an HTML document that needs no other file and no network.
-
-    Parameters
-    ----------
-    study : Study
-
-    """
+    """The study as an HTML document that needs no other file and no network."""
     groups = dict.fromkeys(finding.claim.group for finding in study.findings)
     return rendered(
         "study.html.j2",

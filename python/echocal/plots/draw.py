@@ -1,17 +1,36 @@
-"""Charts as pictures: one renderer for what `echocal.charts` describes."""
+"""Charts as pictures and as files: one renderer for what `echocal.charts` describes."""
 
 import textwrap
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
 
+import matplotlib as mpl
 import matplotlib.dates as dates
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from echocal.charts.parts import Axis, Bars, Chart, Line, Panel, Points, Rug
-from echocal.plots.labels import fitted, title_beside
+from echocal.errors import UsageError, writing
+from echocal.outputs import replacing
 
-__all__ = ["TONES", "draw_bars", "draw_chart", "draw_panel"]
+__all__ = [
+    "STYLE",
+    "TONES",
+    "draw_bars",
+    "draw_chart",
+    "draw_panel",
+    "fitted",
+    "in_form",
+    "save_figure",
+    "save_figures",
+]
+
+_MOST = 3  # lines
+_LABEL_CHARACTER, _TITLE_CHARACTER = 0.069, 0.062  # inches, at 9 and at 8 points
+_MARGIN = 0.2  # inches
 
 TONES = {
     "before": "#e0862a",
@@ -28,6 +47,14 @@ _WIDTH = 46  # characters of a line of a bar's label
 _LABEL = 55  # characters of a line below a panel
 _FEW = 200  # points that are visible one by one
 _MARK = 0.97  # height of a rug, in parts of the axis
+STYLE: Any = {"font.size": 9, "axes.spines.top": False, "axes.spines.right": False}
+"""How figures look: of results, diagnoses and fleets."""
+
+FORMS = ("png", "svg", "pdf")
+"""Formats of the plots of a command."""
+
+_MAKER = {"png": "Software", "svg": "Creator", "pdf": "Creator", "ps": "Creator", "eps": "Creator"}
+"""Name of the metadata field for the maker of a figure, by format."""
 
 
 def draw_bars(chart: Bars, ax: Axes, said: Sequence[str] = ()) -> None:
@@ -95,3 +122,70 @@ def _values(values: NDArray[np.floating], axis: Axis) -> NDArray[np.floating] | 
     if axis.begin is None:
         return values
     return axis.begin + (1e3 * values).astype("timedelta64[ms]")
+
+
+def title_beside(labels: Iterable[str], ax: Axes) -> int:
+    """Characters in a line of a title that begins to the right of the labels of the vertical axis."""
+    longest = max((len(line) for label in labels for line in label.splitlines()), default=0)
+    inches = ax.figure.bbox.width / ax.figure.dpi
+    return max(20, int((inches - _MARGIN - _LABEL_CHARACTER * longest) / _TITLE_CHARACTER))
+
+
+def fitted(text: str, width: int) -> str:
+    r"""Text in at most three lines of `width` characters; dollar signs do not begin mathematics.
+
+    Examples
+    --------
+    >>> fitted("a column of $dollars$ and cents", 16)
+    'a column of\n\\$dollars\\$ and\ncents'
+    """
+    return textwrap.fill(text, width, max_lines=_MOST, placeholder=" …").replace("$", r"\$")
+
+
+def save_figure(figure: Figure, path: Path, command: str, **options: Any) -> None:
+    """Write a figure, complete or not at all, in the format of its ending.
+
+    Raises `UsageError` if the file cannot be written.
+
+    Parameters
+    ----------
+    command : str
+        Command that made it; written to the file if its format allows.
+    **options
+        As for `Figure.savefig`.
+    """
+    ending = path.suffix.lower().removeprefix(".")
+    metadata = {_MAKER[ending]: f"echocal {command}"} if ending in _MAKER else None
+    with replacing(path) as unfinished:
+        figure.savefig(unfinished, format=ending, dpi=150, metadata=metadata, **options)
+
+
+def save_figures(figures: Mapping[str, Figure | None], folder: str | Path, form: str) -> list[Path]:
+    """Write figures by the names of their files, which end as their format is called.
+
+    The folder is created if it does not exist. Raises `UsageError` if it cannot be written.
+    """
+    named = zip(in_form(figures, form), figures.values(), strict=True)
+    paths = {Path(folder) / name: figure for name, figure in named if figure is not None}
+    with writing(Path(folder)):
+        Path(folder).mkdir(parents=True, exist_ok=True)
+    with mpl.rc_context(STYLE):
+        for path, figure in paths.items():
+            save_figure(figure, path, "diagnose")
+    return list(paths)
+
+
+def in_form(names: Iterable[str], form: str) -> tuple[str, ...]:
+    """Names of files with the ending of a format.
+
+    Raises `UsageError` if it is none of `FORMS`.
+
+    Examples
+    --------
+    >>> in_form(["gain.png"], "svg")
+    ('gain.svg',)
+    """
+    if form not in FORMS:
+        message = f"plots are written as {', '.join(FORMS)}, not as '{form}'"
+        raise UsageError(message)
+    return tuple(str(Path(name).with_suffix(f".{form}")) for name in names)

@@ -8,11 +8,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from echocal.plots.draw import STYLE
 from echocal.waveforms import EchoTimes
 
 __all__ = ["echo_times_figure"]
 
-_STYLE: Any = {"font.size": 9, "axes.spines.top": False, "axes.spines.right": False}
 _DARK, _LIGHT, _PALE = "#155a75", "#e0862a", "#9fb4bd"
 _MS = 1e3  # ms in a second
 _DOUBTFUL = 0.01  # cycle ambiguity above which a capture is marked
@@ -25,13 +25,12 @@ def echo_times_figure(
 
     Parameters
     ----------
-    echoes : EchoTimes
     waveform : ndarray, shape (..., N), optional
         The captures.
     sample_rate : float
         Samples per second of them [Hz].
     """
-    with mpl.rc_context(_STYLE):
+    with mpl.rc_context(STYLE):
         rows = 1 if waveform is None else 2
         drawn = Figure((6.8, 3.2 * rows), layout="constrained")
         axes = drawn.subplots(rows, 1, squeeze=False)[:, 0]

@@ -1,7 +1,6 @@
 """One figure for each kind of result: what its method ``plot`` draws."""
 
 from functools import singledispatch
-from typing import Any
 
 import matplotlib as mpl
 import numpy as np
@@ -14,9 +13,9 @@ from echocal.charts.results import errors_chart, residual_chart
 from echocal.diagnose import Diagnosis
 from echocal.model import Model
 from echocal.observations import Observations
-from echocal.plots.draw import draw_bars, draw_chart
+from echocal.plots.diagnosis import residuals_figure
+from echocal.plots.draw import STYLE, draw_bars, draw_chart
 from echocal.plots.echo_times import echo_times_figure
-from echocal.plots.residuals import residuals_figure
 from echocal.plots.sweep import plot_sweep
 from echocal.sweep import sweep
 from echocal.verify import Verification
@@ -24,7 +23,6 @@ from echocal.waveforms import EchoTimes
 
 __all__ = ["figure"]
 
-_STYLE: Any = {"font.size": 9, "axes.spines.top": False, "axes.spines.right": False}
 _DARK, _LIGHT = "#155a75", "#e0862a"
 _MM = 1e3  # mm in a meter
 
@@ -36,14 +34,14 @@ def figure(result: object) -> Figure:
 
 
 def _axes(width: float = 6.4, height: float = 3.6) -> tuple[Figure, Axes]:
-    with mpl.rc_context(_STYLE):
+    with mpl.rc_context(STYLE):
         drawn = Figure((width, height), layout="constrained")
         return drawn, drawn.add_subplot()
 
 
 @figure.register
 def _(result: Diagnosis) -> Figure:
-    with mpl.rc_context(_STYLE):
+    with mpl.rc_context(STYLE):
         return residuals_figure(result)
 
 

@@ -1,14 +1,8 @@
-"""Influence quantities: one file each.
-
-The core lists the quantities and holds what physics reads of them (`rust/core/src/conditions.rs`,
-one line each). A file here, named as the quantity, holds the rest. Every other place asks these entries.
-"""
-
-from importlib import import_module
+"""Influence quantities: one entry of `table` each."""
 
 from echocal import _core
-from echocal.quantities.facts import QuantityFacts, Shown
-from echocal.quantities.form import Form
+from echocal.quantities.facts import Form, QuantityFacts, Shown
+from echocal.quantities.table import ENTRIES
 from echocal.quantities.units import Unit
 
 __all__ = [
@@ -24,19 +18,18 @@ __all__ = [
 ]
 
 
+_BY_NAME = {facts.id: facts for facts in ENTRIES}
+
+
 def _entry(name: str) -> QuantityFacts:
-    """Entry of a quantity of the core; `temperature_later_1` and the like share a file."""
-    file = name.rstrip("_0123456789")
     try:
-        module = import_module(f"echocal.quantities.{file}")
-    except ModuleNotFoundError:
+        return _BY_NAME[name]
+    except KeyError:
         message = (
-            f"the core has a quantity '{name}' (rust/core/src/conditions.rs), and "
-            f"python/echocal/quantities/{file}.py is missing; write that file"
+            f"the core has a quantity '{name}' (rust/core/src/conditions.rs) that has no entry in "
+            "python/echocal/quantities/table.py; write this entry"
         )
         raise ImportError(message) from None
-    facts: QuantityFacts | dict[str, QuantityFacts] = module.FACTS
-    return facts[name] if isinstance(facts, dict) else facts
 
 
 QUANTITIES: dict[str, QuantityFacts] = {facts["name"]: _entry(facts["name"]) for facts in _core.quantities()}

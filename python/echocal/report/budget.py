@@ -9,8 +9,8 @@ from rich.table import Table
 from rich.text import Text
 
 from echocal.budget import Budget
+from echocal.budget.coverage import plus_minus
 from echocal.budget.entries import Entry
-from echocal.budget.rounding import plus_minus
 from echocal.budget.sources import LAW
 from echocal.quantities import QUANTITIES
 
@@ -40,10 +40,8 @@ def print_budget(budget: Budget, row: int, console: Console) -> None:
 
     Parameters
     ----------
-    budget : Budget
     row : int
         Its place.
-    console : rich.console.Console
     """
     title = f"budget of row {budget.row[row]}: {conditions_text(budget, row)}"
     table = Table(title=title, box=SIMPLE_HEAD, padding=(0, 1, 0, 0), title_justify="left")

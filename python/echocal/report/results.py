@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 
 from echocal.budget import Budget
-from echocal.budget.rounding import plus_minus
+from echocal.budget.coverage import plus_minus
 from echocal.calibrate import Calibration
 from echocal.diagnose import Diagnosis
 from echocal.diagnose.findings.parts import Parameter

@@ -86,18 +86,10 @@ class Log:
 
 @dataclass(frozen=True)
 class Habit:
-    """In what order a sketch does things in its loop.
+    """In what order a sketch does things in its loop."""
 
-    Attributes
-    ----------
-    early : bool
-        Whether it reads the analog pins before it triggers.
-    lines_before : int
-        Lines that it prints before it triggers.
-    """
-
-    early: bool = False
-    lines_before: int = 0
+    early: bool = False  # whether it reads the analog pins before it triggers
+    lines_before: int = 0  # lines that it prints before it triggers
 
 
 def habit_of(log: Log) -> Habit:

@@ -6,14 +6,38 @@ from dataclasses import asdict, dataclass
 from importlib import resources
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from echocal.study import checks
-from echocal.study.curves import Curves
 from echocal.study.discoveries import Discovery, discoveries
-from echocal.study.origin import Alternative, alternatives
+from echocal.study.origin import REFERENCE_LAW, STATED_LAW, Alternative, alternatives, reading_in
 from echocal.study.tables import Tables
 from echocal.study.verdict import CHECKS, Claim, Finding, Verdict
 
 __all__ = ["DEFINITION", "Claim", "Finding", "Study", "Tables", "Verdict", "claims", "given", "run"]
+
+HUMIDITIES = {"dry air": 0.0, "50 % RH": 0.5, "100 % RH": 1.0}
+
+
+@dataclass(frozen=True)
+class Curves:
+    """Readings [m] of the sensor at 2 m."""
+
+    temperature: NDArray[np.float64]  # temperatures [degC]; shape (n,)
+    stated: NDArray[np.float64]  # by the study's equation; shape (n,)
+    air: dict[str, NDArray[np.float64]]  # in true air, by humidity; shape (n,)
+
+    @classmethod
+    def of(cls, tables: Tables) -> "Curves":
+        """Compute the curves over the range of Table 1."""
+        temperature = tables.table1.range(201)
+        air = {
+            name: reading_in(REFERENCE_LAW, temperature, relative_humidity=humidity)
+            for name, humidity in HUMIDITIES.items()
+        }
+        return cls(temperature, reading_in(STATED_LAW, temperature), air)
+
 
 DEFINITION = (
     "reproduced: the printed inputs can give the printed result, both within their rounding. "
@@ -26,27 +50,13 @@ assert checks.__all__  # importing the package registers the checks
 
 @dataclass(frozen=True)
 class Study:
-    """Everything found about the study.
+    """Everything found about the study."""
 
-    Attributes
-    ----------
-    tables : Tables
-        The tables that were judged.
-    findings : list of Finding
-        One per claim, in the order of ``claims.toml``.
-    discoveries : list of Discovery
-        What the tables give away.
-    alternatives : list of Alternative
-        Single changes that may explain the Tinkercad column.
-    curves : Curves
-        The study's sensor in true air, for the figures.
-    """
-
-    tables: Tables
-    findings: list[Finding]
-    discoveries: list[Discovery]
-    alternatives: list[Alternative]
-    curves: Curves
+    tables: Tables  # the tables that were judged
+    findings: list[Finding]  # one per claim, in the order of ``claims.toml``
+    discoveries: list[Discovery]  # what the tables give away
+    alternatives: list[Alternative]  # single changes that may explain the Tinkercad column
+    curves: Curves  # the study's sensor in true air, for the figures
 
     @property
     def verdicts(self) -> dict[str, int]:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from echocal.diagnose import Cause, Diagnosis, diagnose
 from echocal.diagnose.results.explain import parameter_text
 from echocal.keywords import command_line
-from echocal.study.sensor import STATED_LAW
+from echocal.study.origin import STATED_LAW
 from echocal.study.tables import DISTANCE, READING_SPEED, Tables
 
 __all__ = ["QUESTIONS", "Answer", "Question", "ask", "render"]
@@ -27,33 +27,22 @@ uncompensated sensor. [The study, recomputed](study.md) judges its claims one by
 
 @dataclass(frozen=True)
 class Question:
-    """One look at one column of the study.
-
-    Attributes
-    ----------
-    title : str
-    table, column : str
-        Where the readings are.
-    base : str
-        Law of the base simulation.
-    reading_speed : str or None
-        Speed that the readings were made with, as the engine is told; None: it is not told.
-    finds : tuple of str
-        Causes, each alone or within its class, that the sentence is about.
-    misses : tuple of str
-        Causes that the sentence says are not found.
-    means : str
-        What that means for the study.
-    """
+    """One look at one column of the study."""
 
     title: str
+    # table, column: where the readings are
     table: str
     column: str
     base: str
+    """Law of the base simulation."""
     reading_speed: str | None
+    """Speed that the readings were made with, as the engine is told; None: it is not told."""
     finds: tuple[str, ...]
+    """Causes, each alone or within its class, that the sentence is about."""
     misses: tuple[str, ...]
+    """Causes that the sentence says are not found."""
     means: str
+    """What that means for the study."""
 
 
 @dataclass(frozen=True)
@@ -138,10 +127,6 @@ def ask(tables: Tables | None = None) -> list[Answer]:
     ----------
     tables : Tables, optional
         Other tables than those that the package ships.
-
-    Returns
-    -------
-    list of Answer
 
     Examples
     --------

@@ -8,8 +8,16 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from echocal.errors import ModelError
-from echocal.study.origin import CAUSES, alternatives, explain, fit_table_law, table_law
-from echocal.study.sensor import STATED_LAW, reading_in, speed
+from echocal.study.origin import (
+    CAUSES,
+    STATED_LAW,
+    alternatives,
+    explain,
+    fit_table_law,
+    reading_in,
+    speed,
+    table_law,
+)
 from echocal.study.tables import Table, Tables
 
 __all__ = ["Discovery", "converted", "discoveries"]

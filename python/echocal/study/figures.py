@@ -8,9 +8,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from echocal.plots.files import save_figure
+from echocal.plots.draw import save_figure
 from echocal.study import Study
-from echocal.study.sensor import error
+from echocal.study.origin import error
 from echocal.study.tables import DISTANCE
 
 __all__ = ["FIGURES", "draw_figure_3", "draw_figure_4", "draw_figure_6", "save"]

@@ -4,14 +4,64 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from echocal.calibrate import Calibration, Estimate, calibrate
 from echocal.model import Model
 from echocal.observations import read_observations
-from echocal.study.sensor import STATED_LAW, time
-from echocal.study.tables import DISTANCE, Table, Tables, observations
+from echocal.study.tables import DISTANCE, READING_SPEED, Table, Tables, observations
 
-__all__ = ["CAUSES", "Alternative", "alternatives", "explain", "fit_table_law", "table_law"]
+__all__ = [
+    "CAUSES",
+    "REFERENCE_LAW",
+    "STATED_LAW",
+    "Alternative",
+    "alternatives",
+    "error",
+    "explain",
+    "fit_table_law",
+    "reading",
+    "reading_in",
+    "speed",
+    "table_law",
+    "time",
+]
+
+Array = NDArray[np.float64]
+
+STATED_LAW = "331.4+0.6*T"
+"""The study's equation."""
+
+REFERENCE_LAW = "virial"
+"""The law for true air: the one that holds over 0..50 degC at every humidity."""
+
+
+def speed(law: str, temperature: ArrayLike, **air: ArrayLike) -> Array:
+    """Speed of sound [m/s] by a law."""
+    return np.asarray(Model(law).speed_of_sound(DISTANCE, temperature=temperature, **air))
+
+
+def time(speeds: ArrayLike) -> Array:
+    """Echo time [s] over the study's distance at given speeds [m/s]."""
+    given = np.asarray(speeds, dtype=np.float64)
+    flat = [Model(repr(float(value))).time_of_flight(DISTANCE) for value in given.ravel()]
+    return np.array(flat, dtype=np.float64).reshape(given.shape)
+
+
+def reading(times: ArrayLike) -> Array:
+    """Reading [m] of the study's sensor for echo times [s]."""
+    return np.asarray(Model(READING_SPEED).distance(times))
+
+
+def reading_in(law: str, temperature: ArrayLike, **air: ArrayLike) -> Array:
+    """Reading [m] of the study's sensor at its distance, in air whose speed follows a law."""
+    return reading(Model(law).time_of_flight(DISTANCE, temperature=temperature, **air))
+
+
+def error(readings: ArrayLike) -> Array:
+    """Relative error of readings [%], signed: positive reads too far."""
+    return (np.asarray(readings, dtype=np.float64) / DISTANCE - 1.0) * 100.0
+
 
 CAUSES = {
     "zero_error.offset": "constant offset",

@@ -5,8 +5,7 @@ from dataclasses import asdict, dataclass, field
 from enum import StrEnum
 from typing import Any
 
-from echocal.study.rounding import Printed
-from echocal.study.tables import Tables
+from echocal.study.tables import Printed, Tables
 
 __all__ = ["CHECKS", "Cell", "Claim", "Finding", "Verdict", "check"]
 

@@ -2,15 +2,20 @@
 
 import json
 import warnings
+from importlib.util import find_spec
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
+import pandas as pd
+import xarray as xr
 from numpy.typing import NDArray
 
 from echocal._core import __version__
 from echocal._verb import callable_as
 from echocal.errors import DomainWarning, UsageError, among
 from echocal.model import Model
+from echocal.outputs import replacing
 from echocal.quantities import QUANTITIES
 from echocal.quantities.units import in_cf
 from echocal.sweep.grid import Range, axis, parse, parse_named
@@ -18,7 +23,7 @@ from echocal.sweep.grid import Range, axis, parse, parse_named
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["Range", "parse", "parse_named", "sweep"]
+__all__ = ["Range", "parse", "parse_named", "sweep", "table", "write"]
 
 callable_as(__name__)
 
@@ -29,6 +34,15 @@ _RESULTS = {
     "indication": ("m", "indication of the device"),
     "error": ("m", "indication minus distance"),
 }
+_COLUMNS = {name: facts.si_column for name, facts in QUANTITIES.items()} | {
+    "distance": "distance_m",
+    "speed_of_sound": "speed_of_sound_m_s",
+    "time_of_flight": "echo_s",
+    "indication": "reading_m",
+    "error": "error_m",
+}
+
+_ENDINGS = (".csv", ".parquet", ".nc")
 
 
 def sweep(
@@ -136,3 +150,44 @@ def _attributes(name: str) -> dict[str, str]:
 def _result_attributes(name: str) -> dict[str, str]:
     units, long_name = _RESULTS[name]
     return {"units": units, "long_name": long_name}
+
+
+def table(grid: xr.Dataset) -> pd.DataFrame:
+    """One row per combination; `echocal.read_observations` reads the names back."""
+    flat = grid.to_dataframe().reset_index() if grid.sizes else pd.DataFrame([_scalars(grid)])
+    first = [str(name) for name in grid.coords]
+    return flat[first + [str(name) for name in grid.data_vars]].rename(columns=_COLUMNS)
+
+
+def refuse_ending(path: Path) -> None:
+    """Refuse a file that no sweep can be written as.
+
+    Raises `UsageError` if its ending is none of .csv, .parquet and .nc.
+    """
+    if path.suffix not in _ENDINGS:
+        message = f"cannot write '{path.suffix}' ({path}); endings: {', '.join(_ENDINGS)}"
+        raise UsageError(message)
+
+
+def write(grid: xr.Dataset, path: Path) -> None:
+    """Write a sweep as .csv, .parquet or .nc; a file is either complete or not there.
+
+    Raises `UsageError` if the ending is another, Parquet lacks its library, or the file cannot be written.
+    """
+    refuse_ending(path)
+    try:
+        with replacing(path) as unfinished:
+            match path.suffix:
+                case ".csv":
+                    table(grid).to_csv(unfinished, index=False)
+                case ".parquet":
+                    table(grid).to_parquet(unfinished, index=False)
+                case _:
+                    grid.to_netcdf(unfinished, engine="netcdf4" if find_spec("netCDF4") else "scipy")
+    except ImportError:
+        message = "Parquet needs pyarrow: pip install 'echocal[batch]'"
+        raise UsageError(message) from None
+
+
+def _scalars(grid: xr.Dataset) -> dict[str, float]:
+    return {str(name): float(variable) for name, variable in grid.variables.items()}

@@ -26,15 +26,12 @@ _AIR = {
 def check_air(temperature: ArrayLike, relative_humidity: ArrayLike, pressure: ArrayLike) -> None:
     """Refuse air that cannot be, or is no air of a bench.
 
+    Raises `UsageError` if a value is out of its range, or the air would hold more vapor than its pressure.
+
     Parameters
     ----------
     temperature, relative_humidity, pressure : array_like
         [degC], [1], [Pa]; broadcast together.
-
-    Raises
-    ------
-    UsageError
-        If a value is out of its range, or the air would hold more vapor than its pressure.
 
     Examples
     --------
@@ -57,6 +54,8 @@ def echo_time(
 ) -> NDArray[np.float64]:
     """Compute how long a module holds ECHO.
 
+    Raises `UsageError` if there is no such detector, or no such air.
+
     Parameters
     ----------
     distance : array_like
@@ -76,11 +75,6 @@ def echo_time(
     -------
     ndarray
         Echo time [s], NaN without an echo.
-
-    Raises
-    ------
-    UsageError
-        If there is no such detector, or no such air.
 
     Examples
     --------

@@ -27,48 +27,32 @@ NO_ECHO = "no echo time and no reading"
 
 @dataclass
 class Entry:
-    """A row of a sensor on its way.
-
-    Attributes
-    ----------
-    row : Mapping
-        As it came.
-    number, place : int
-        Among the rows of the sensor, and among all rows of the watch.
-    decimal : str
-        Decimal separator of its texts.
-    time : float
-        By its clock [s]; NaN where it has none.
-    rates : list of float
-        Those of `RATES`, NaN where one is not known.
-    untimed : str
-        Why it has no time.
-    units : mapping of str to str
-        Units that its log gives beside the names of columns.
-    why : str
-        Why it cannot be read.
-    columns : Columns or None
-    numbers : dict of str to float
-        By column.
-    damaged : list of str
-        Columns whose text is no number.
-    problem : str
-        Why its columns cannot be understood.
-    """
+    """A row of a sensor on its way."""
 
     row: Row
+    # number, place: among the rows of the sensor, and among all rows of the watch
+    """As it came."""
     number: int
     place: int
     decimal: str = "."
+    """Decimal separator of its texts."""
     time: float = np.nan
+    """By its clock [s]; NaN where it has none."""
     rates: list[float] = field(default_factory=lambda: [np.nan] * len(RATES))
+    """Those of `RATES`, NaN where one is not known."""
     untimed: str = ""
+    """Why it has no time."""
     units: Mapping[str, str] = field(default_factory=dict)
+    """Units that its log gives beside the names of columns."""
     why: str = ""
+    """Why it cannot be read."""
     columns: Columns | None = None
     numbers: dict[str, float] = field(default_factory=dict)
+    """By column."""
     damaged: list[str] = field(default_factory=list)
+    """Columns whose text is no number."""
     problem: str = ""
+    """Why its columns cannot be understood."""
 
     def read(self, reader: Reader) -> "Entry":
         """Read its fields."""
@@ -89,24 +73,16 @@ class Entry:
 
 @dataclass
 class Results:
-    """Results of rows.
-
-    Attributes
-    ----------
-    distance : ndarray, shape (n,)
-        Corrected distance [m]; NaN where there is none.
-    uncertainty : ndarray of float32, shape (n,)
-        Its standard uncertainty [m]; NaN where none is known.
-    status : list of str
-        Reason codes.
-    notes : dict of str to int
-        What a person should know, and the first row that it is about.
-    """
+    """Results of rows."""
 
     distance: NDArray[np.float64]
+    """Corrected distance [m]; NaN where there is none; shape (n,)."""
     uncertainty: NDArray[np.float32]
+    """Its standard uncertainty [m]; NaN where none is known; shape (n,)."""
     status: list[str]
+    """Reason codes."""
     notes: dict[str, int] = field(default_factory=dict)
+    """What a person should know, and the first row that it is about."""
 
 
 def correct(entries: Sequence[Entry], model: Model, reader: Reader, reading: Reading) -> Results:

@@ -69,7 +69,6 @@ def instant(seconds: float, *, dated: bool = False) -> str | float:
 
     Parameters
     ----------
-    seconds : float
     dated : bool
         Whether the clock is known to have dates.
 

@@ -27,23 +27,15 @@ _STEP = 0.005  # m: the signature of a step, its usual size
 
 @dataclass(frozen=True)
 class Alarm:
-    """A change that the test tells.
+    """A change that the test tells."""
 
-    Attributes
-    ----------
-    row, time : int, float
-        Row of the sensor at which it is told, and its time [s].
-    onset : Onset
-    times : tuple of float
-        Time of the most probable first changed row; the change lies between the other two [s].
-    statistic, height : float
-        Standardized sum and its threshold.
-    """
-
+    # row, time: row of the sensor at which it is told, and its time [s]
     row: int
     time: float
     onset: Onset
     times: tuple[float, float, float]
+    # statistic, height: standardized sum and its threshold
+    """Time of the most probable first changed row; the change lies between the other two [s]."""
     statistic: float
     height: float
 
@@ -53,24 +45,12 @@ class Monitor:
     """The test of one sensor, row by row: the same for any division of the rows into batches.
 
     The score of a row is that of docs/method/several-tables.md, Eq. 50; Eq. 52 tells a change.
-
-    Attributes
-    ----------
-    settings : WatchSettings
-    interval : float or None
-        Usual time between rows [s]; None until it is learned.
-    tested : tuple of int
-        Columns of the signatures that are tested, one of each class of aliases.
-    classes : list of list of int
-        Columns of each class.
-    unstated : str
-        Why no rate of false alarms is stated; nothing if it is.
     """
 
     settings: WatchSettings
-    interval: float | None = None
-    tested: tuple[int, ...] = ()
-    classes: list[list[int]] = field(default_factory=list)
+    interval: float | None = None  # usual time between rows [s]; None until it is learned
+    tested: tuple[int, ...] = ()  # columns of the signatures that are tested, one of each class of aliases
+    classes: list[list[int]] = field(default_factory=list)  # columns of each class
     rows: int = 0
     origin: float = 0.0
     last: float = -np.inf
@@ -87,7 +67,7 @@ class Monitor:
     scale: float = 0.0
     recent: float = 0.0
     growth: tuple[float, float] = (0.0, 1.0)
-    unstated: str = ""
+    unstated: str = ""  # why no rate of false alarms is stated; nothing if it is
     onsets: Onsets | None = None
     marks: dict[int, float] = field(default_factory=dict)
 

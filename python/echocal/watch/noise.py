@@ -23,37 +23,19 @@ _BLOCKS = (8, 16, 32, 64, 128)  # rows
 
 @dataclass(frozen=True)
 class Learned:
-    """What the first rows tell.
+    """What the first rows tell."""
 
-    Attributes
-    ----------
-    rho, theta : float
-        Autocorrelation and white part of the most probable noise (docs/method.md, Eq. 3).
-    scale : float
-        Standard deviation of the whitened noise [m].
-    mean : ndarray, shape (p,)
-        Sizes of the columns before any change.
-    covariance : ndarray, shape (p, p)
-        Their covariance over the square of the scale.
-    cleaned : ndarray, shape (n,)
-        What the sizes leave of the residual, without outliers [m].
-    """
-
+    # rho, theta: autocorrelation and white part of the most probable noise (docs/method.md, Eq. 3).
     rho: float
     theta: float
-    scale: float
-    mean: Column
-    covariance: Column
-    cleaned: Column
+    scale: float  # standard deviation of the whitened noise [m]
+    mean: Column  # sizes of the columns before any change; shape (p,)
+    covariance: Column  # their covariance over the square of the scale; shape (p, p)
+    cleaned: Column  # what the sizes leave of the residual, without outliers [m]; shape (n,)
 
 
 class Noises:
-    """All noises that are tried, with their sums of squares: the posterior grows sharper with each row.
-
-    Parameters
-    ----------
-    settings : WatchSettings
-    """
+    """All noises that are tried, with their sums of squares: the posterior grows sharper with each row."""
 
     def __init__(self, settings: WatchSettings) -> None:
         tried = _tried(settings)
@@ -121,7 +103,6 @@ def learn(
         Precision of the sizes before anything is known.
     starts : ndarray of int
         First rows of series; 0 is the first.
-    settings : WatchSettings
     """
     noises = _tried(settings)
     cleaned = _without_outliers(residual, columns, prior, starts, settings)

@@ -21,7 +21,6 @@ class Growing:
 
     Parameters
     ----------
-    path : Path
     state : State
         Knows its committed length.
     append : bool
@@ -83,13 +82,7 @@ class Table:
         self._done = self._header
 
     def write(self, rows: list[Row]) -> None:
-        """Append rows.
-
-        Raises
-        ------
-        DataError
-            If a row has a column that the header of a CSV file has not.
-        """
+        """Append rows. Raises `DataError` if a row has a column that the header of a CSV file has not."""
         if self._lines:
             self._file.write(_json_lines(rows))
             return

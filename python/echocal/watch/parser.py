@@ -14,7 +14,7 @@ from echocal.observations.found import CUT
 from echocal.observations.heading import FIRST, decimal_of, fields_of, head_in, is_value, names_of
 from echocal.observations.layout import Head, Layout, said_no_text, seen_in
 from echocal.observations.limits import from_json
-from echocal.observations.records import Record, Records
+from echocal.observations.text import Record, Records
 from echocal.watch.rows import Row
 
 __all__ = ["Arrival", "Batch", "Parser", "Unread", "json_of", "parsed"]
@@ -50,23 +50,14 @@ class Arrival(NamedTuple):
 
 @dataclass
 class Batch:
-    """Rows that come together.
-
-    Attributes
-    ----------
-    rows : list of Arrival
-    unread : list of Unread
-    decimal : str
-        Decimal separator of texts.
-    units : mapping of str to str
-        Units that a line below the header gives, by column.
-    notes : list of str
-    """
+    """Rows that come together."""
 
     rows: list[Arrival] = field(default_factory=list)
     unread: list[Unread] = field(default_factory=list)
     decimal: str = "."
+    """Decimal separator of texts."""
     units: Mapping[str, str] = field(default_factory=dict)
+    """Units that a line below the header gives, by column."""
     notes: list[str] = field(default_factory=list)
 
     def __bool__(self) -> bool:
@@ -132,17 +123,14 @@ class Parser:
     def batches(self, data: bytes, *, final: bool) -> Iterator[tuple[Batch, int]]:
         """Rows of the whole lines at the beginning of some bytes, and how many bytes they are.
 
+        Raises `DataError` if the header is no text, or none that `echocal correct` reads.
+
         Parameters
         ----------
         data : bytes
             What follows the lines so far.
         final : bool
             Whether nothing comes behind it: then the last line is whole without an end.
-
-        Raises
-        ------
-        DataError
-            If the header is no text, or none that `echocal correct` reads.
         """
         marked = self._open(data, final)
         if marked is None:

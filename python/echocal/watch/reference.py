@@ -93,6 +93,9 @@ def refuse_columns(
 ) -> None:
     """Refuse, on the first rows, what no test is possible with.
 
+    Raises `UsageError` if a request names a column that no row has, and `DataError` if the rows have no time,
+    nothing to be compared with, or were corrected before.
+
     Parameters
     ----------
     names, known : collection of str
@@ -101,16 +104,8 @@ def refuse_columns(
         Keywords that name a column, with the column.
     results : sequence of str
         Columns that are appended.
-    reference : Reference
     interval : float or None
         Time between rows that the user states [s].
-
-    Raises
-    ------
-    UsageError
-        If a request names a column that no row has.
-    DataError
-        If the rows have no time, nothing to be compared with, or were corrected before.
     """
     listed = ", ".join(names)
     for option, column in [*asked, ("same_target", reference.same_target)]:

@@ -66,6 +66,8 @@ class Columns:
 class Reader:
     """Read the fields of rows by the names of their columns.
 
+    Raises `UsageError` if a meaning names no quantity.
+
     Parameters
     ----------
     columns : mapping of str to str, optional
@@ -74,11 +76,6 @@ class Reader:
         Columns that hold no quantity, such as the sensor's id.
     missing : collection, or mapping of str to collection
         Error codes that mean "no value".
-
-    Raises
-    ------
-    UsageError
-        If a meaning names no quantity.
     """
 
     def __init__(

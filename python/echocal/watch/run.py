@@ -26,31 +26,15 @@ SCHEMA = "echocal.unread/1"
 
 @dataclass
 class Run:
-    """Rows from a source, and where their results go.
-
-    Attributes
-    ----------
-    fleet : Fleet
-    source : Source
-    table : Table, Stream or None
-        Takes the corrected rows.
-    events : Growing or None
-        Takes the events, as JSON lines.
-    letters : Growing or None
-        Takes what is set aside with its reason, as JSON lines.
-    tell : callable
-        Shows events.
-    say : callable
-        Shows a note.
-    """
+    """Rows from a source, and where their results go."""
 
     fleet: Fleet
     source: Source
-    table: Table | Stream | None
-    events: Growing | None
-    letters: Growing | None
-    tell: Callable[[Sequence[Event]], None]
-    say: Callable[[str], None]
+    table: Table | Stream | None  # takes the corrected rows
+    events: Growing | None  # takes the events, as JSON lines
+    letters: Growing | None  # takes what is set aside with its reason, as JSON lines
+    tell: Callable[[Sequence[Event]], None]  # shows events
+    say: Callable[[str], None]  # shows a note
     changes: int = 0
     aside: int = 0
     _counts: tuple[int, int, int] = (0, 0, 0)
@@ -60,10 +44,7 @@ class Run:
     def take(self, batch: Batch) -> None:
         """Deal with a batch. What one row breaks concerns that row only.
 
-        Raises
-        ------
-        EchocalError
-            If the watch cannot go on, whatever the row.
+        Raises `EchocalError` if the watch cannot go on, whatever the row.
         """
         for text in batch.notes:
             self.say(text)

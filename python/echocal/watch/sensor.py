@@ -8,7 +8,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.correct.marks import context_of
+from echocal.correct.needed import context_of
 from echocal.correct.results import DISTANCE, STATUS, UNCERTAINTY
 from echocal.errors import DataError
 from echocal.keywords import keyword
@@ -16,14 +16,13 @@ from echocal.model import Model
 from echocal.observations.clock import hour_angle, zone_of
 from echocal.observations.marks import MARKS
 from echocal.watch import sentences
-from echocal.watch.clock import Clock, Waiting
+from echocal.watch.clock import Clock, Times, Waiting
 from echocal.watch.correction import RATES, Entry
 from echocal.watch.events import Event, finite
 from echocal.watch.monitor import Monitor
 from echocal.watch.rows import Row, conditions_of, row_to_keep
 from echocal.watch.settings import WatchSettings
 from echocal.watch.signatures import Signature, Signatures, refuse_unwatchable, step_and_drift
-from echocal.watch.times import Times
 
 __all__ = ["RESULTS", "Done", "Host", "Sensor"]
 
@@ -39,32 +38,17 @@ _PLAIN = ("recorded", "level", "before", "follow", "told", "ignored", "rows", "d
 
 @dataclass
 class Done:
-    """A corrected row of a sensor.
-
-    Attributes
-    ----------
-    entry : Entry
-    sensor : Sensor or None
-        None where there is no model.
-    status : str
-    distance, uncertainty : float
-        Corrected distance and its standard uncertainty [m].
-    released : int
-        Place of the row that this one has waited for.
-    reference : float
-        Reference distance [m].
-    target : (str, int) or None
-        See `Waiting`.
-    """
+    """A corrected row of a sensor."""
 
     entry: Entry
-    sensor: "Sensor | None"
+    sensor: "Sensor | None"  # None where there is no model
     status: str
+    # distance, uncertainty: corrected distance and its standard uncertainty [m]
     distance: float = np.nan
     uncertainty: float = np.nan
-    released: int = 0
-    reference: float = np.nan
-    target: tuple[str, int] | None = None
+    released: int = 0  # place of the row that this one has waited for
+    reference: float = np.nan  # reference distance [m]
+    target: tuple[str, int] | None = None  # see `Waiting`
 
     def order(self) -> tuple[int, int]:
         """Rows come out when they are released, in the order in which they came."""

@@ -13,27 +13,15 @@ Column = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Onset:
-    """When a change began, and which signatures explain it.
+    """When a change began, and which signatures explain it."""
 
-    Attributes
-    ----------
-    row : int
-        Most probable first changed row.
-    low, high : int
-        The first changed row lies between them, with the probability of the settings.
-    rows : int
-        Rows from the most probable one to the present, both included.
-    probabilities : ndarray, shape (j,)
-        Of the signatures, given that one of them began once.
-    sizes, uncertainties : ndarray, shape (j,)
-        Size at the most probable onset of each, and its standard uncertainty.
-    """
-
-    row: int
+    row: int  # most probable first changed row
+    # low, high: the first changed row lies between them, with the probability of the settings
     low: int
     high: int
-    rows: int
-    probabilities: Column
+    rows: int  # rows from the most probable one to the present, both included
+    probabilities: Column  # of the signatures, given that one of them began once; shape (j,)
+    # sizes, uncertainties: size at the most probable onset of each, and its standard uncertainty; shape (j,)
     sizes: Column
     uncertainties: Column
 
@@ -72,7 +60,6 @@ class Onsets:
 
         Parameters
         ----------
-        row : int
         time : float
             Since the test began [days].
         signature : ndarray, shape (j - 1,)

@@ -23,20 +23,14 @@ _OF_THE_TABLE = ("elapsed_time", "position_in_group")
 
 @dataclass(frozen=True)
 class Signature:
-    """One direction that is tested.
+    """One direction that is tested."""
 
-    Attributes
-    ----------
-    id, parameter, unit : str
-        The cause, its size, and the size's unit.
-    scale : float
-        Standard deviation of the prior of the size, in this unit: signatures are per such a deviation.
-    """
-
+    # id, parameter, unit: the cause, its size, and the size's unit
     id: str
     parameter: str
     unit: str
     scale: float
+    """Standard deviation of the prior of the size, in this unit: signatures are per such a deviation."""
 
 
 def refuse_unwatchable(model: Model) -> None:

@@ -38,7 +38,6 @@ class Lines:
 
     Parameters
     ----------
-    stream : binary file
     wait : float
         Longest wait for the next line before an empty batch [s].
     layout : Layout, optional
@@ -79,7 +78,6 @@ class Files:
 
     Parameters
     ----------
-    path : Path
     state : State
         Knows how far each was read.
     poll : float

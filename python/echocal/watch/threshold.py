@@ -25,7 +25,6 @@ def slack(ratios: Column, weights: Column, rows: float, probability: float) -> f
         Standard deviation of slow sums, each possible noise over the assumed one; posterior weights.
     rows : float
         Rows that the scale was learned from.
-    probability : float
 
     Examples
     --------

@@ -51,24 +51,12 @@ def reach_of(bandwidth: float) -> float:
 
 @dataclass(frozen=True)
 class Filter:
-    """A filter of the captures in the band.
+    """A filter of the captures in the band."""
 
-    Attributes
-    ----------
-    gain : ndarray of complex, shape (B,)
-        Response at each bin of the band.
-    noise_gain : float
-        Standard deviation of what is filtered, for white noise of 1.
-    bandwidth : float
-        Bandwidth of the noise [Hz]: independent complex samples per second.
-    spread : float
-        Standard deviation of the angular frequency of the noise [rad/s].
-    """
-
-    gain: Complex
-    noise_gain: float
-    bandwidth: float
-    spread: float
+    gain: Complex  # response at each bin of the band; shape (B,)
+    noise_gain: float  # standard deviation of what is filtered, for white noise of 1
+    bandwidth: float  # bandwidth of the noise [Hz]: independent complex samples per second
+    spread: float  # standard deviation of the angular frequency of the noise [rad/s]
 
     @classmethod
     def of(cls, gain: Complex, spacing: float, count: int) -> "Filter":
@@ -84,21 +72,13 @@ class Filter:
 
 @dataclass(frozen=True)
 class Plan:
-    """Band, filters and sampling for captures of one length.
-
-    Attributes
-    ----------
-    template : Template
-    carrier, bandwidth : float
-        Center and full width at half of the power of the band-pass [Hz].
-    samples : int
-        Samples of a capture.
-    """
+    """Band, filters and sampling for captures of one length."""
 
     template: Template
+    # carrier, bandwidth: center and full width at half of the power of the band-pass [Hz]
     carrier: float
     bandwidth: float
-    samples: int
+    samples: int  # samples of a capture
 
     @property
     def sample_rate(self) -> float:
@@ -194,7 +174,6 @@ class Plan:
         ----------
         spectrum : ndarray of complex, shape (n, B)
             Bins of the band, of n captures.
-        filtered : Filter
         """
         bins = np.zeros((len(spectrum), self.length), complex)
         place = (np.arange(self.band.start, self.band.stop) - self.center) % self.length
@@ -207,21 +186,11 @@ class Plan:
 
 @dataclass(frozen=True)
 class Baseband:
-    """Complex envelopes of captures, as functions of the time.
+    """Complex envelopes of captures, as functions of the time."""
 
-    Attributes
-    ----------
-    values : ndarray of complex, shape (n, M)
-        Periodic samples from time 0 on.
-    rate : float
-        Samples per second [Hz].
-    frequency : float
-        Carrier that was left out [Hz].
-    """
-
-    values: Complex
-    rate: float
-    frequency: float
+    values: Complex  # periodic samples from time 0 on; shape (n, M)
+    rate: float  # samples per second [Hz]
+    frequency: float  # carrier that was left out [Hz]
 
     def at(self, time: Real) -> tuple[Complex, Complex]:
         """Return the envelope and its derivative [1/s] at times [s] of each capture, shape (n, ...)."""

@@ -19,24 +19,12 @@ _AT_ONCE = 2**21
 
 @dataclass(frozen=True)
 class Captures:
-    """Captures in a window of time.
+    """Captures in a window of time."""
 
-    Attributes
-    ----------
-    rows : ndarray, shape (n, N)
-        Samples in the window, as they were given.
-    shape : tuple of int
-        Shape of the captures without the time.
-    start : float
-        Time of the first sample of the window [s].
-    sample_rate : float
-        Samples per second [Hz].
-    """
-
-    rows: NDArray[np.generic]
-    shape: tuple[int, ...]
-    start: float
-    sample_rate: float
+    rows: NDArray[np.generic]  # samples in the window, as they were given; shape (n, N)
+    shape: tuple[int, ...]  # shape of the captures without the time
+    start: float  # time of the first sample of the window [s]
+    sample_rate: float  # samples per second [Hz]
 
     @property
     def count(self) -> int:
@@ -62,12 +50,8 @@ class Captures:
 def captures_of(waveform: ArrayLike, sample_rate: float, start: float, stop: float | None) -> Captures:
     """Return the captures in the window.
 
-    Raises
-    ------
-    DataError
-        If they are not real numbers along an axis of time.
-    UsageError
-        If the window is empty.
+    Raises `DataError` if they are not real numbers along an axis of time, and `UsageError` if the window is
+    empty.
     """
     values = (
         np.ma.filled(np.ma.asarray(waveform).astype(np.float64), np.nan) if np.ma.isMA(waveform) else waveform
@@ -107,13 +91,7 @@ def _window(sample_rate: float, start: float, stop: float | None, count: int) ->
 
 
 def positive(name: str, value: float, unit: str) -> float:
-    """Return a number above 0.
-
-    Raises
-    ------
-    UsageError
-        If it is none.
-    """
+    """Return a number above 0. Raises `UsageError` if it is none."""
     if not isinstance(value, Real | np.number) or not 0.0 < float(value) < np.inf:
         message = f"{name} is {value!r}; give a number above 0 [{unit}]"
         raise UsageError(message)
@@ -123,10 +101,7 @@ def positive(name: str, value: float, unit: str) -> float:
 def per_capture(name: str, value: ArrayLike, shape: tuple[int, ...]) -> Floats:
     """Return one positive number per capture, in a row.
 
-    Raises
-    ------
-    UsageError
-        If there is another number of them, or one is not above 0.
+    Raises `UsageError` if there is another number of them, or one is not above 0.
     """
     try:
         given = np.asarray(value, dtype=np.float64)

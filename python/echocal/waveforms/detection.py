@@ -25,31 +25,16 @@ _NEEDED_SHARE = 0.9
 
 @dataclass(frozen=True)
 class Detection:
-    """The strongest echo of each capture, and the noise before it.
+    """The strongest echo of each capture, and the noise before it."""
 
-    Attributes
-    ----------
-    matched, passed : Baseband
-        Captures behind the matched filter and behind the band-pass.
-    time : ndarray, shape (n,)
-        Maximum of the matched filter's envelope [s], from the start of the window.
-    peak : ndarray
-        Value of that maximum.
-    noise : ndarray
-        Standard deviation of white noise as dense as that at the carrier.
-    freedom : ndarray
-        Degrees of freedom of `noise`; infinite where it is given.
-    status : ndarray of uint8
-        Codes of `ECHO_STATUSES`.
-    """
-
+    # matched, passed: captures behind the matched filter and behind the band-pass
     matched: Baseband
     passed: Baseband
-    time: Real
-    peak: Real
-    noise: Real
-    freedom: Real
-    status: NDArray[np.uint8]
+    time: Real  # maximum of the matched filter's envelope [s], from the start of the window; shape (n,)
+    peak: Real  # value of that maximum
+    noise: Real  # standard deviation of white noise as dense as that at the carrier
+    freedom: Real  # degrees of freedom of `noise`; infinite where it is given
+    status: NDArray[np.uint8]  # codes of `ECHO_STATUSES`
 
     @property
     def inflation(self) -> Real:
@@ -64,7 +49,6 @@ def detect(plan: Plan, captures: Real, noise: Real | None) -> Detection:
 
     Parameters
     ----------
-    plan : Plan
     captures : ndarray, shape (n, N)
         Finite samples.
     noise : ndarray, shape (n,), or None

@@ -176,10 +176,7 @@ def _parquet(path: Path, column: str | None) -> Read:
 def columns_beside(path: str | Path) -> dict[str, NDArray[Any]]:
     """Return the columns of a Parquet file beside its captures, without lists; none for other files.
 
-    Raises
-    ------
-    DataError
-        If it cannot be read.
+    Raises `DataError` if it cannot be read.
     """
     path = Path(path)
     if _reader(path) is not _parquet:
@@ -227,12 +224,8 @@ def _number(path: Path, rate: Any) -> float:
 def list_column(path: Path, schema: Any, column: str | None) -> str:
     """Return the name of the column of captures.
 
-    Raises
-    ------
-    UsageError
-        If several columns could be meant, or the column asked for is none.
-    DataError
-        If there is none.
+    Raises `UsageError` if several columns could be meant, or the column asked for is none, and `DataError` if
+    there is none.
     """
     candidates = [field.name for field in schema if _holds_numbers(field.type)]
     if column is not None:
@@ -283,13 +276,7 @@ def _rows(path: Path, name: str, column: Any, pa: Any) -> NDArray[Any]:
 
 
 def _arrow() -> Any:
-    """Return the Arrow library.
-
-    Raises
-    ------
-    UsageError
-        If it is not installed.
-    """
+    """Return the Arrow library. Raises `UsageError` if it is not installed."""
     try:
         for part in ("compute", "parquet"):
             import_module(f"pyarrow.{part}")

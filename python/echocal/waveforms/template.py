@@ -30,18 +30,10 @@ _SILENT = 1e-12
 
 @dataclass(frozen=True)
 class Template:
-    """An echo without noise; its first sample is the origin of the echo time.
+    """An echo without noise; its first sample is the origin of the echo time."""
 
-    Attributes
-    ----------
-    samples : ndarray, shape (L,)
-        The echo [unit of the waveform].
-    sample_rate : float
-        Samples per second [Hz].
-    """
-
-    samples: NDArray[np.float64]
-    sample_rate: float
+    samples: NDArray[np.float64]  # the echo [unit of the waveform]; shape (L,)
+    sample_rate: float  # samples per second [Hz]
 
     @property
     def duration(self) -> float:
@@ -137,6 +129,8 @@ def _driven(phase: NDArray[np.float64], quality_factor: float) -> NDArray[np.flo
 def template_of(given: ArrayLike | None, sample_rate: float, carrier: float, count: int) -> Template:
     """Return the given template, or the model burst.
 
+    Raises `UsageError` if the template is no echo, or longer than a capture.
+
     Parameters
     ----------
     given : array_like, shape (L,), or None
@@ -145,11 +139,6 @@ def template_of(given: ArrayLike | None, sample_rate: float, carrier: float, cou
         [Hz].
     count : int
         Samples of a capture.
-
-    Raises
-    ------
-    UsageError
-        If the template is no echo, or longer than a capture.
     """
     if given is None:  # its length is known before it is computed: at a wrong rate it would fill the memory
         way = "give longer captures, or template= with a shorter echo"

@@ -45,7 +45,7 @@ macro_rules! quantities {
 // One entry per quantity: name, unit, then
 //   recorded: the default and the range in the field
 //   derived:  what a table must hold, and the range in the field
-// What people call it, its columns and its units stand in python/echocal/quantities/NAME.py.
+// What people call it, its columns and its units stand in python/echocal/quantities/table.py.
 quantities! {
     /// Recorded air temperature \[degC\].
     Temperature: recorded("temperature", "degC", None, (-20.0, 60.0)),

@@ -8,7 +8,7 @@ from toolchain import run
 from echocal import silicon
 from echocal.firmware import Firmware
 from echocal.silicon.board import HERE as PARTS
-from echocal.silicon.qemu import SEMIHOSTING, SPEAKING, Qemu
+from echocal.silicon.cores import SEMIHOSTING, SPEAKING, Qemu
 
 HERE = Path(__file__).parent / "standin"
 CLOCKS = {"cortex-m0": 16_000_000, "cortex-m3": 25_000_000, "cortex-m4f": 25_000_000, "rv32": 10_000_000}

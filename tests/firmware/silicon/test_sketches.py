@@ -10,7 +10,7 @@ import pytest
 from echocal import silicon
 from echocal.errors import DataError, UsageError
 from echocal.silicon import arduino
-from echocal.silicon.prototypes import with_prototypes
+from echocal.silicon.arduino import with_prototypes
 
 pytestmark = pytest.mark.skipif(
     bool(silicon.missing_for_sketches()), reason=f"absent: {', '.join(silicon.missing_for_sketches())}"

@@ -11,15 +11,13 @@ from echocal.correct.corrector import Context, Corrector, Tally
 from echocal.correct.job import Job
 from echocal.correct.logs import surroundings
 from echocal.correct.parquet import footer as f
-from echocal.correct.parquet.encode import Encoded, encode
-from echocal.correct.parquet.pieces import Piece, names_of, pieces_of, read_pieces
-from echocal.correct.parquet.splice import Splice
+from echocal.correct.parquet.splice import Encoded, Splice, encode
 from echocal.correct.rows import Rows
 from echocal.correct.stream import corrected
 from echocal.errors import DataError, UsageError, among
 from echocal.keywords import keyword
 from echocal.model.folder import label
-from echocal.observations.arrow import arrow
+from echocal.observations.arrow import arrow, to_pandas
 from echocal.outputs import opened_output
 
 __all__ = [
@@ -29,7 +27,10 @@ __all__ = [
     "check_whole",
     "correct_parquet",
     "keys_of",
+    "names_of",
     "opened_file",
+    "read_pieces",
+    "read_tables",
     "surroundings_of",
     "tally_of",
 ]
@@ -45,6 +46,105 @@ _BYTES_A_ROW = 500
 
 _PIECE = (4096, 1 << 18)
 """Least and largest number of rows that are corrected together."""
+_INDEX = "__index_level_0__"
+_BUFFER = 1 << 20  # bytes of a column that are read at a time
+
+
+@dataclass(frozen=True)
+class Piece:
+    """Rows that are corrected together: some row groups, or a part of one."""
+
+    groups: tuple[int, ...]
+    sizes: tuple[int, ...]
+    """Rows of each row group; of a part of one, its rows."""
+    whole: bool = True
+
+    @property
+    def rows(self) -> int:
+        """Number of rows."""
+        return sum(self.sizes)
+
+
+def pieces_of(footer: f.Footer, most: int) -> list[Piece]:
+    """Divide a file into pieces of so many rows at most."""
+    pieces: list[Piece] = []
+    groups: list[int] = []
+    sizes: list[int] = []
+    for place, group in enumerate(footer.row_groups):
+        rows = group[f.GROUP_ROWS][1]
+        if groups and sum(sizes) + rows > most:
+            pieces.append(Piece(tuple(groups), tuple(sizes)))
+            groups, sizes = [], []
+        if rows > most:
+            parts = [min(most, rows - begin) for begin in range(0, rows, most)]
+            pieces += [Piece((place,), (part,), whole=False) for part in parts]
+            continue
+        groups.append(place)
+        sizes.append(rows)
+    if groups:
+        pieces.append(Piece(tuple(groups), tuple(sizes)))
+    return pieces
+
+
+def names_of(file: Any) -> list[str]:
+    """Names of the columns, as echocal reads them: an index of times that has no name is ``time``."""
+    pa = arrow()
+    schema = file.schema_arrow
+    names = [name.strip() for name in schema.names]
+    if _INDEX in names and "time" not in names and pa.types.is_timestamp(schema.field(_INDEX).type):
+        names[names.index(_INDEX)] = "time"
+    return names
+
+
+def read_pieces(
+    path: Path, file: Any, pieces: Sequence[Piece], columns: Sequence[str]
+) -> Iterator[pd.DataFrame]:
+    """Read some columns of each piece. Raises `DataError` if the file is damaged."""
+    stored = dict(zip(names_of(file), file.schema_arrow.names, strict=True))
+    wanted = [stored[name] for name in columns]
+    for piece, table in zip(pieces, read_tables(path, file, pieces, wanted), strict=True):
+        if not columns:
+            yield pd.DataFrame(index=range(piece.rows))
+            continue
+        table = table.select(wanted).rename_columns(list(columns)).replace_schema_metadata(None)
+        yield to_pandas(table)
+
+
+def read_tables(
+    path: Path, file: Any, pieces: Sequence[Piece], columns: Sequence[str] | None
+) -> Iterator[Any]:
+    """Read some columns of each piece, or all, as Arrow has them.
+
+    Raises `DataError` if the file is damaged.
+    """
+    pa = arrow()
+    wanted = None if columns is None else list(columns)
+    parts: Iterator[Any] = iter(())
+    try:
+        for piece, before in zip(pieces, [None, *pieces], strict=False):
+            if piece.whole:
+                table = file.read_row_groups(list(piece.groups), columns=wanted)
+            else:
+                if before is None or before.whole or before.groups != piece.groups:
+                    parts = file.iter_batches(
+                        batch_size=piece.rows, row_groups=list(piece.groups), columns=wanted
+                    )
+                table = _next(parts, piece.rows, pa)
+            yield table
+    except (OSError, pa.ArrowException) as error:
+        reason = next(iter(str(error).splitlines()), type(error).__name__)
+        message = f"{path} begins like Parquet and cannot be read: {reason}"
+        raise DataError(message) from None
+
+
+def _next(parts: Iterator[Any], rows: int, pa: Any) -> Any:
+    """So many rows of batches."""
+    batches: list[Any] = []
+    while sum(len(batch) for batch in batches) < rows:
+        batches.append(next(parts))
+    if sum(len(batch) for batch in batches) != rows:
+        raise pa.ArrowInvalid("batches of another size than was asked for")
+    return pa.Table.from_batches(batches)
 
 
 @dataclass(frozen=True)
@@ -67,21 +167,17 @@ def correct_parquet(
 ) -> Tally:
     """Correct a Parquet file into a new one.
 
+    Raises `DataError` if the file cannot be read, or a model needs what it does not have; `out` is incomplete
+    then.
+
     Parameters
     ----------
-    source, out : Path
-    job : Job
     key : str or None
         Key of all rows; None: each row has its own.
     log : sequence of Path
         Files of the log that the file belongs to, in the order of time.
     progress : callable
         Told the rows of each row group that is done.
-
-    Raises
-    ------
-    DataError
-        If the file cannot be read, or a model needs what it does not have; `out` is incomplete then.
     """
     pa = arrow()
     with source.open("rb") as raw:

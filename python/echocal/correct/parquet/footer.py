@@ -1,16 +1,19 @@
-"""The footer of a Parquet file: what is where. Source: parquet.thrift of Apache Parquet's format 2.11."""
+"""The footer of a Parquet file: what is where, and what it must hold before anything relies on it.
+
+Only what this package uses is looked at; all other fields are kept as they are. Source: parquet.thrift of
+Apache Parquet's format 2.11.
+"""
 
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any, BinaryIO
+from typing import Any, BinaryIO, TypeAlias
 
 from echocal.correct.parquet import thrift
-from echocal.correct.parquet.checks import FILE, check
-from echocal.correct.parquet.thrift import BINARY, I32, I64, LIST, STRUCT, Struct
+from echocal.correct.parquet.thrift import BINARY, I32, I64, INTEGERS, LIST, STRUCT, Struct
 from echocal.errors import DataError
 from echocal.keywords import keyword
 
-__all__ = ["Field", "Footer", "chunk_range", "fields_of", "read_footer"]
+__all__ = ["PAGES", "Field", "Footer", "check", "chunk_range", "fields_of", "read_footer"]
 
 MAGIC = b"PAR1"
 _ENCRYPTED = b"PARE"
@@ -31,24 +34,20 @@ FILE_PATH, FILE_OFFSET, META, OFFSET_INDEX, COLUMN_INDEX, CRYPTO = 1, 2, 3, 4, 6
 KIND, PATH, CODEC, VALUES, UNCOMPRESSED, COMPRESSED_SIZE = 1, 3, 4, 5, 6, 7  # ColumnMetaData
 DATA_PAGE, INDEX_PAGE, DICTIONARY_PAGE = 9, 10, 11
 STATISTICS, ENCODING_STATS, BLOOM, BLOOM_LENGTH = 12, 13, 14, 15
+_ANY = range(-(2**63), 2**63)
+_SIZE = range(2**63)
+_SHORT = range(2**31)
+_ROWS = range(2**31)
+"""Rows of a row group: more are possible in a few bytes, and no writer makes them."""
 
 
 @dataclass(frozen=True)
 class Field:
-    """A column of the schema, nested or not.
-
-    Attributes
-    ----------
-    name : str
-    elements : list
-        Its elements of the schema.
-    leaves : range
-        Places of its column chunks in a row group.
-    """
+    """A column of the schema, nested or not."""
 
     name: str
-    elements: list[Struct]
-    leaves: range
+    elements: list[Struct]  # its elements of the schema
+    leaves: range  # places of its column chunks in a row group
 
     @property
     def flat(self) -> bool:
@@ -90,10 +89,8 @@ class Footer:
 def read_footer(file: BinaryIO, name: str, memory: int | None = None) -> Footer:
     """Read and check a footer, which may take so much memory [B].
 
-    Raises
-    ------
-    DataError
-        If the file is truncated or damaged, or of a kind that cannot be copied; the text says which.
+    Raises `DataError` if the file is truncated or damaged, or of a kind that cannot be copied; the text says
+    which.
     """
     size = file.seek(0, 2)
     file.seek(max(size - _END, 0))
@@ -237,3 +234,96 @@ def structs(values: list[Struct]) -> tuple[int, Any]:
 def whole(value: int, kind: int = I64) -> tuple[int, int]:
     """An integer as a field."""
     return (I32 if kind == I32 else I64), value
+
+
+@dataclass(frozen=True)
+class _Field:
+    name: str
+    of: "_Kind"
+    needed: bool = False
+
+
+_Kind: TypeAlias = "range | type[bytes | str] | list[_Kind] | dict[int, _Field]"
+"""An integer in a range, bytes, a text in UTF-8, a list, a structure with these fields and any others."""
+
+_ELEMENT: _Kind = {
+    1: _Field("type", range(8)),
+    3: _Field("repetition", range(3)),
+    4: _Field("name", str, needed=True),
+    5: _Field("number of children", _SHORT),
+}
+_META: _Kind = {
+    1: _Field("type", range(8), needed=True),
+    3: _Field("path of a column", [bytes], needed=True),
+    4: _Field("codec", range(8), needed=True),
+    5: _Field("number of values", _SIZE, needed=True),
+    6: _Field("uncompressed size", _SIZE, needed=True),
+    7: _Field("compressed size", _SIZE, needed=True),
+    9: _Field("place of the data", _SIZE, needed=True),
+    10: _Field("place of an index", _ANY),
+    11: _Field("place of the dictionary", _ANY),
+    14: _Field("place of the Bloom filter", _ANY),
+    15: _Field("size of the Bloom filter", _SHORT),
+}
+_CHUNK: _Kind = {
+    3: _Field("metadata", _META),
+    4: _Field("place of the offsets", _ANY),
+    5: _Field("size of the offsets", _SHORT),
+    6: _Field("place of the index", _ANY),
+    7: _Field("size of the index", _SHORT),
+}
+_GROUP: _Kind = {
+    1: _Field("columns", [_CHUNK], needed=True),
+    3: _Field("number of rows", _ROWS, needed=True),
+}
+_PAIR: _Kind = {1: _Field("key", bytes, needed=True), 2: _Field("value", bytes)}
+FILE: _Kind = {
+    2: _Field("schema", [_ELEMENT], needed=True),
+    3: _Field("number of rows", _SIZE, needed=True),
+    4: _Field("row groups", [_GROUP]),
+    5: _Field("metadata", [_PAIR]),
+    7: _Field("orders of columns", [{}]),
+}
+"""A footer."""
+
+PAGES: _Kind = {1: _Field("pages", [{1: _Field("place of a page", _ANY, needed=True)}], needed=True)}
+"""An index of the places of pages."""
+
+
+def check(struct: Struct, wanted: _Kind) -> None:
+    """Look at a structure.
+
+    Raises `ValueError` if a field is absent, of another kind, or out of its range; the text names it.
+    """
+    _check(STRUCT, struct, wanted, "it")
+
+
+def _check(kind: int, value: Any, wanted: _Kind, name: str) -> None:
+    if isinstance(wanted, range):
+        if kind not in INTEGERS or value not in wanted:
+            message = f"its {name} is {value if kind in INTEGERS else 'no integer'}"
+            raise ValueError(message)
+    elif isinstance(wanted, list):
+        _expect(kind == LIST, name, "list")
+        element, values = value
+        for one in values:
+            _check(element, one, wanted[0], name)
+    elif isinstance(wanted, dict):
+        _expect(kind == STRUCT, name, "structure")
+        for number, field in wanted.items():
+            if number in value:
+                own, held = value[number]
+                _check(own, held, field.of, field.name)
+            elif field.needed:
+                message = f"it lacks a {field.name}"
+                raise ValueError(message)
+    else:
+        _expect(kind == BINARY, name, "text")
+        if wanted is str:
+            value.decode()
+
+
+def _expect(holds: bool, name: str, kind: str) -> None:
+    if not holds:
+        message = f"its {name} is no {kind}"
+        raise ValueError(message)

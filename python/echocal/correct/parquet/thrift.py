@@ -32,10 +32,7 @@ Struct: TypeAlias = dict[int, tuple[int, Value]]
 def read(data: bytes | memoryview, at: int = 0, most: int = MOST) -> tuple[Struct, int]:
     """Read a structure of so many fields and elements at most; return it, and the place after it.
 
-    Raises
-    ------
-    ValueError
-        If the bytes are no such structure.
+    Raises `ValueError` if the bytes are no such structure.
     """
     reader = _Reader(data, at, most)
     try:

@@ -8,16 +8,16 @@ from dataclasses import replace
 from pathlib import Path
 from typing import IO, Any, TypeVar
 
+import numpy as np
 import pandas as pd
 
 from echocal.correct.corrector import Context, Corrector, Tally
 from echocal.correct.job import Job
 from echocal.correct.logs import surroundings
+from echocal.correct.results import RESULTS, results
 from echocal.correct.rows import Rows
 from echocal.correct.stream import corrected, in_order
-from echocal.correct.text.blocks import Block, blocks_of
-from echocal.correct.text.parse import Lines, Parser
-from echocal.correct.text.write import header_with_results, with_empty, with_results
+from echocal.correct.text.parse import Block, Lines, Parser, blocks_of
 from echocal.errors import DataError, UsageError
 from echocal.keywords import command_line, keyword
 from echocal.model.folder import label
@@ -29,7 +29,7 @@ from echocal.observations.plan import make
 from echocal.observations.source import refuse_unstreamed
 from echocal.outputs import opened_output
 
-__all__ = ["Text", "check_whole", "correct_blocks", "correct_text", "writing_text"]
+__all__ = ["Text", "check_whole", "correct_blocks", "correct_text", "with_results", "writing_text"]
 
 Made = TypeVar("Made")
 
@@ -41,6 +41,8 @@ _FIXED = 230 << 20
 
 _TIMES = 12
 """Bytes of memory for each byte of a block, by each thread; measured."""
+_DIGITS = 9  # of a distance [m]: to a nanometer
+_SMALL = 1e-6  # below, numbers have an exponent
 
 
 class Text:
@@ -114,11 +116,11 @@ def correct_text(
 ) -> Tally:
     """Correct a text file into a new one.
 
+    Raises `DataError` if the file cannot be read, or a model needs what it does not have; `out` is incomplete
+    then.
+
     Parameters
     ----------
-    source : TextFile
-    out : Path
-    job : Job
     key : str or None
         Key of all rows; None: each row has its own.
     log : sequence of Path
@@ -127,11 +129,6 @@ def correct_text(
         Told the rows of each block that is done.
     zipped : bool
         Whether the output is gzipped.
-
-    Raises
-    ------
-    DataError
-        If the file cannot be read, or a model needs what it does not have; `out` is incomplete then.
     """
     text = Text(source, job, key)
     job = text.job
@@ -266,3 +263,71 @@ def writing_text(out: Path, zipped: bool) -> Iterator[IO[bytes]]:
         # no name, no date
         with gzip.GzipFile(filename="", mode="wb", fileobj=raw, compresslevel=6, mtime=0) as file:
             yield file  # type: ignore[misc]
+
+
+def header_with_results(header: str, separator: str, first: str) -> str:
+    """The header with the names of the results."""
+    return separator.join((header, *results(first)))
+
+
+def with_empty(lines: Sequence[str], separator: str) -> str:
+    """Lines between the header and the rows, with an empty field for each result."""
+    more = separator * len(RESULTS)
+    bare = (line.rstrip("\r\n") for line in lines)
+    return "".join(text + more + line[len(text) :] for text, line in zip(bare, lines, strict=True))
+
+
+def with_results(lines: Lines, rows: Rows, separator: str, decimal: str) -> bytes | memoryview:
+    """The lines of a block, each row with its results."""
+    if lines.records is not None:
+        made = _suffixes(rows, separator, decimal)
+        places = {place: number for number, place in enumerate(lines.rows)}
+        return "".join(
+            f"{text}{separator}{made[places[place]]}{end}" if place in places else text + end
+            for place, (text, end) in enumerate(lines.records)
+        ).encode()
+    assert lines.texts is not None
+    written = lines.texts.with_results(
+        rows.distance,
+        rows.uncertainty,
+        rows.codes,
+        [status.encode() for status in _statuses(rows, separator)],
+        separator.encode(),
+        ord(decimal),
+        bool(lines.last),
+    )
+    return written.data
+
+
+def _suffixes(rows: Rows, separator: str, decimal: str) -> list[str]:
+    """Results of each row as text; slower, and without Arrow."""
+    texts = [[_shortest(value).replace(".", decimal) for value in own] for own in _numbers(rows)]
+    status = _statuses(rows, separator)
+    own_status = [status[code] for code in rows.codes.tolist()]
+    return [separator.join(fields) for fields in zip(*texts, own_status, strict=True)]
+
+
+def _numbers(rows: Rows) -> tuple[Any, Any]:
+    return np.round(rows.distance, _DIGITS), rows.uncertainty
+
+
+def _statuses(rows: Rows, separator: str) -> list[str]:
+    """Both columns of the reason, by its place."""
+    reasons = [_quoted(reason, separator) for reason in rows.reasons]
+    return [f"{reason}{separator}{reason}" for reason in reasons]
+
+
+def _shortest(number: Any) -> str:
+    """The same as Arrow writes."""
+    if np.isnan(number):
+        return ""
+    if 0.0 < abs(number) < _SMALL:
+        digits, exponent = np.format_float_scientific(number, trim="-").split("e")
+        return f"{digits}e{int(exponent)}"
+    return np.format_float_positional(number, trim="-")
+
+
+def _quoted(reason: str, separator: str) -> str:
+    if separator in reason or '"' in reason:
+        return '"' + reason.replace('"', '""') + '"'
+    return reason

@@ -19,7 +19,7 @@ from echocal.diagnose.settings.faults import FaultSettings
 from echocal.diagnose.settings.threshold import threshold
 from echocal.keywords import keyword
 from echocal.observations.quantiles import MAD_TO_SD
-from echocal.observations.units_said import split_unit, symbol_of
+from echocal.observations.units import split_unit, symbol_of
 
 __all__ = ["FAULT"]
 

@@ -10,8 +10,8 @@ from echocal.diagnose.findings.parts import Cause
 from echocal.diagnose.results.diagnosis import Diagnosis
 from echocal.model import Model
 from echocal.observations import Observations
+from echocal.observations.at import shifted, uncertain
 from echocal.observations.correction import corrected_distance
-from echocal.observations.stated import shifted, uncertain
 
 __all__ = ["with_stated"]
 

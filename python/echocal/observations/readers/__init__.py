@@ -17,7 +17,6 @@ from echocal.observations.heading import FIRST
 from echocal.observations.limits import LOG_LINE
 from echocal.observations.readers import (
     bursts,
-    cell_units,
     date_pieces,
     esphome,
     json_records,
@@ -28,12 +27,10 @@ from echocal.observations.readers import (
     messages,
     mqtt_lines,
     nmea,
-    repeats,
-    ros,
     serial_lines,
     spreadsheet,
     times,
-    unit_names,
+    unit_steps,
     white_space,
 )
 from echocal.observations.readers.stamps import plain
@@ -53,14 +50,14 @@ _FORMATS = (
     white_space,
 )
 _STEPS = (
-    ros.step,
-    cell_units.step,
+    unit_steps.units_of_messages,
+    unit_steps.units_in_cells,
     long_tables.step,
     bursts.step,
     date_pieces.step,
     times.step,
-    unit_names.step,
-    repeats.step,
+    unit_steps.columns_named_by_unit,
+    unit_steps.repeated,
 )
 
 
@@ -70,13 +67,7 @@ _LOOK = 1 << 16  # characters of a line that tell the format; a document of JSON
 
 
 def read(file: TextFile, sheet: str | None = None) -> pd.DataFrame | None:
-    """Read a log that is no delimited text; None for one that is.
-
-    Raises
-    ------
-    DataError
-        If it cannot be read.
-    """
+    """Read a log that is no delimited text; None for one that is. Raises `DataError` if it cannot be read."""
     if file.is_spreadsheet:
         return spreadsheet.read(file.path, sheet, file.layout.skip_lines)
     form = _form(file)

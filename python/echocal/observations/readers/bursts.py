@@ -10,7 +10,7 @@ from echocal.errors import DataError
 from echocal.observations.found import Found
 from echocal.observations.hints import hint
 from echocal.observations.names import by_name
-from echocal.observations.units_said import symbol_of
+from echocal.observations.units import symbol_of
 
 __all__ = ["step"]
 

@@ -9,14 +9,12 @@ import numpy as np
 import pandas as pd
 
 from echocal.keywords import keyword
-from echocal.observations.readers.events import Event, rows_of
-from echocal.observations.readers.leads import ranger_names
+from echocal.observations.numbers import says_no_echo
+from echocal.observations.readers.events import Event, ranger_names, rows_of
 from echocal.observations.readers.log import Log
 from echocal.observations.readers.pairs import pairs_of
 from echocal.observations.readers.stamps import Stamped, stamped
-from echocal.observations.silence import says_no_echo
-from echocal.observations.units import NAMES
-from echocal.observations.units_said import symbol_of
+from echocal.observations.units import NAMES, symbol_of
 
 __all__ = ["NAME", "read", "recognizes"]
 

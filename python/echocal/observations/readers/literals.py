@@ -5,8 +5,8 @@ import re
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from echocal.observations.numbers import says_no_echo
 from echocal.observations.readers.log import Log
-from echocal.observations.silence import says_no_echo
 
 __all__ = ["NAME", "read", "recognizes"]
 

@@ -10,10 +10,9 @@ import pandas as pd
 
 from echocal.errors import DataError
 from echocal.observations.fields import shown
-from echocal.observations.join import Join
+from echocal.observations.found import Join
 from echocal.observations.limits import refuse_cells, refuse_names
-from echocal.observations.numbers import NO_NUMBER
-from echocal.observations.silence import NO_ECHO, says_no_echo
+from echocal.observations.numbers import NO_ECHO, NO_NUMBER, says_no_echo
 
 __all__ = ["Log", "numeric"]
 
@@ -22,36 +21,23 @@ _WITHOUT = "line without values"
 
 @dataclass
 class Log:
-    """Rows of a log.
-
-    Attributes
-    ----------
-    records : sequence of mapping of str to object
-        Values of each row, by column; an empty one where the row could not be read.
-    units : dict of str to str
-    notes : list of str
-    corrupt : dict of int to str
-        The line of each row that has no values.
-    requests : dict of str to str
-        What columns hold for sure, by how the log is written.
-    joined : dict of str to Join
-        Columns whose values were recorded at other times than those of the rows.
-    """
+    """Rows of a log."""
 
     records: Sequence[Mapping[str, Any]]
+    """Values of each row, by column; an empty one where the row could not be read."""
     units: dict[str, str] = field(default_factory=dict)
     notes: list[str] = field(default_factory=list)
     corrupt: dict[int, str] = field(default_factory=dict)
+    """The line of each row that has no values."""
     requests: dict[str, str] = field(default_factory=dict)
+    """What columns hold for sure, by how the log is written."""
     joined: dict[str, Join] = field(default_factory=dict)
+    """Columns whose values were recorded at other times than those of the rows."""
 
     def table(self, path: str) -> pd.DataFrame:
         """Columns in the order in which they appear; numbers where all values are such.
 
-        Raises
-        ------
-        DataError
-            If no row has a value, or there are more columns than a table can have.
+        Raises `DataError` if no row has a value, or there are more columns than a table can have.
         """
         names = dict.fromkeys(name for record in self.records for name in record)
         if not names:

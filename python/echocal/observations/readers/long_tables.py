@@ -9,10 +9,9 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from echocal.observations.found import Found
+from echocal.observations.found import Found, Join, told
 from echocal.observations.in_time import Clock, clock_of, joined
-from echocal.observations.join import Join, told
-from echocal.observations.readers.leads import changes_smoothly, ranger_names
+from echocal.observations.readers.events import changes_smoothly, ranger_names
 
 __all__ = ["step"]
 

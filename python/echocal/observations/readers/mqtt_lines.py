@@ -8,9 +8,8 @@ from typing import Any
 from echocal.observations.fields import shown
 from echocal.observations.hints import is_time_name
 from echocal.observations.limits import from_json
-from echocal.observations.readers.events import Event, rows_of
+from echocal.observations.readers.events import Event, ranger_names, rows_of
 from echocal.observations.readers.json_records import flat
-from echocal.observations.readers.leads import ranger_names
 from echocal.observations.readers.log import Log
 
 __all__ = ["NAME", "read", "recognizes"]

@@ -3,8 +3,8 @@
 import re
 from collections.abc import Iterator
 
-from echocal.observations.silence import SILENT
-from echocal.observations.units_said import WRITTEN, symbol_of
+from echocal.observations.numbers import SILENT
+from echocal.observations.units import WRITTEN, symbol_of
 
 __all__ = ["Pair", "pairs_of"]
 

@@ -9,14 +9,12 @@ from typing import Any
 
 from echocal.observations.fields import shown
 from echocal.observations.heading import find_head, is_value
-from echocal.observations.readers.events import Event, rows_of
-from echocal.observations.readers.leads import ranger_names
+from echocal.observations.numbers import says_no_echo
+from echocal.observations.readers.events import Event, ranger_names, rows_of
 from echocal.observations.readers.log import Log
 from echocal.observations.readers.pairs import Pair, pairs_of
 from echocal.observations.readers.stamps import Stamped, stamped
-from echocal.observations.silence import says_no_echo
-from echocal.observations.units import FORMS
-from echocal.observations.units_said import symbol_of
+from echocal.observations.units import FORMS, symbol_of
 
 __all__ = ["NAME", "read", "recognizes"]
 

@@ -15,7 +15,7 @@ from echocal.observations.found import Found, keep
 from echocal.observations.heading import is_value
 from echocal.observations.limits import refuse_cells
 from echocal.observations.readers.log import numeric
-from echocal.observations.units_said import is_unit_row
+from echocal.observations.units import is_unit_row
 
 __all__ = ["NAME", "read"]
 
@@ -33,12 +33,8 @@ _LARGEST = 1 << 30
 def read(path: Path, sheet: str | None, skip_rows: int = 0) -> pd.DataFrame:
     """Read a sheet; its header is the first row with as many texts as the rows below have values.
 
-    Raises
-    ------
-    DataError
-        If the file is none, or no sheet has a table.
-    UsageError
-        If there is no such sheet.
+    Raises `DataError` if the file is none, or no sheet has a table, and `UsageError` if there is no such
+    sheet.
     """
     try:
         from python_calamine import CalamineWorkbook

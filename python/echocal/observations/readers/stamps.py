@@ -67,24 +67,12 @@ _ARROWS = frozenset({"->", "=>"})
 
 @dataclass(frozen=True)
 class Stamped:
-    """A line of a log.
+    """A line of a log."""
 
-    Attributes
-    ----------
-    time : mapping of str to str
-        Its clock by the column that it belongs to; empty where the line has none.
-    rest : str
-        What the line says.
-    arrow : bool
-        Whether an arrow is between both, as a serial monitor writes it.
-    tag : str
-        Which part of a program says it; empty where the line does not tell.
-    """
-
-    time: Mapping[str, str]
-    rest: str
-    arrow: bool = False
-    tag: str = ""
+    time: Mapping[str, str]  # its clock by the column that it belongs to; empty where the line has none
+    rest: str  # what the line says
+    arrow: bool = False  # whether an arrow is between both, as a serial monitor writes it
+    tag: str = ""  # which part of a program says it; empty where the line does not tell
 
 
 def plain(line: str) -> str:

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 
 from echocal.observations.heading import is_value
 from echocal.observations.readers.log import Log
-from echocal.observations.units_said import is_unit_row
+from echocal.observations.units import is_unit_row
 
 __all__ = ["NAME", "read", "recognizes", "words_of"]
 

@@ -12,9 +12,8 @@ from numpy.typing import NDArray
 
 from echocal.budget import Budget, budget
 from echocal.budget.conformity import Conformity, assessed, budget_of_errors
-from echocal.budget.coverage import COVERAGE, DECISIONS
+from echocal.budget.coverage import COVERAGE, DECISIONS, plus_minus
 from echocal.budget.entries import Entry, Itemized
-from echocal.budget.rounding import plus_minus
 from echocal.concise import concise
 from echocal.errors import UsageError
 from echocal.model import Model
@@ -43,31 +42,20 @@ _PARAMETERS = 8  # of the model, that are listed
 
 @dataclass(frozen=True)
 class Certificate:
-    """Corrected distances with their uncertainty, and what they decide.
-
-    Attributes
-    ----------
-    model : Model
-    observations : Observations
-    budget : Budget
-    conformity : Conformity
-        Of measured errors, where there are reference distances; else of an error of 0 with the uncertainty of
-        the distance.
-    measured : bool
-        Whether there are reference distances.
-    rows : ndarray of int
-        Places of the rows that have a distance, and a reference distance where there are any.
-    of_errors : Itemized
-        The budget of the measured errors, row by row: its expanded uncertainty is the guard band.
-    """
+    """Corrected distances with their uncertainty, and what they decide."""
 
     model: Model
     observations: Observations
     budget: Budget
     conformity: Conformity
+    """Of measured errors, where there are reference distances; else of an error of 0 with the uncertainty of
+    the distance."""
     measured: bool
+    """Whether there are reference distances."""
     rows: NDArray[np.int64]
+    """Places of the rows that have a distance, and a reference distance where there are any."""
     of_errors: Itemized = field(default_factory=lambda: Itemized(()))
+    """The budget of the measured errors, row by row: its expanded uncertainty is the guard band."""
 
     @property
     def decision(self) -> str:
@@ -103,7 +91,6 @@ def certify(
 
     Parameters
     ----------
-    model : Model
     observations : Observations
         With reference distances, errors are measured, and their own budget is the guard band.
     maximum_permissible_error : float
@@ -151,7 +138,6 @@ def certificate_page(
 
     Parameters
     ----------
-    certificate : Certificate
     identification : mapping of str to str
         What is certified, line by line: device, files, hashes.
     made_by : str
@@ -197,10 +183,7 @@ def save_certificate(
 ) -> None:
     """Write a certificate as ``.html`` or ``.pdf``.
 
-    Raises
-    ------
-    UsageError
-        If the ending is another one, or WeasyPrint is not installed.
+    Raises `UsageError` if the ending is another one, or WeasyPrint is not installed.
     """
     refuse_ending(path)
     page = certificate_page(certificate, identification, made_by)
@@ -218,10 +201,7 @@ def save_certificate(
 def refuse_ending(path: Path) -> None:
     """Refuse a file that no certificate can be.
 
-    Raises
-    ------
-    UsageError
-        If the ending is another one, or WeasyPrint is not installed.
+    Raises `UsageError` if the ending is another one, or WeasyPrint is not installed.
     """
     if path.suffix.lower() not in (".html", ".pdf"):
         message = f"{path}: a certificate is .html or .pdf"

@@ -6,10 +6,16 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from echocal.charts.columns import drawn_columns
-from echocal.charts.diagnosis import gain_chart, posterior_chart
-from echocal.charts.errors import distance_chart, left_out_chart, over_chart, time_chart, truth_chart
+from echocal.charts.errors import (
+    distance_chart,
+    drawn_columns,
+    left_out_chart,
+    over_chart,
+    time_chart,
+    truth_chart,
+)
 from echocal.charts.parts import MOST, Chart
+from echocal.charts.results import gain_chart, posterior_chart
 from echocal.diagnose import Diagnosis
 from echocal.diagnose.catalogue import find_cause
 from echocal.diagnose.findings.sentences import shifted_text
@@ -42,26 +48,7 @@ def save_report(
     saved: str | Path = "",
     commands: Mapping[str, str] | None = None,
 ) -> None:
-    """Write a diagnosis as one HTML file.
-
-    Parameters
-    ----------
-    diagnosis : Diagnosis
-    path : path
-    source : str
-        Name of the table, for the title.
-    made_by : str
-        Command line that makes the page again.
-    saved : path
-        The file with the model; empty where it is not saved.
-    commands : mapping of str to str, optional
-        Commands that use this file, by their purpose.
-
-    Raises
-    ------
-    UsageError
-        If the file cannot be written.
-    """
+    """Write a diagnosis as one HTML file, a `report_page`; raises `UsageError` if it cannot be written."""
     replace_text(path, report_page(diagnosis, source, made_by, saved, commands))
 
 

@@ -3,7 +3,7 @@
 from echocal.calibrate import Calibration
 from echocal.charts.results import columns_chart, errors_chart, residual_chart
 from echocal.observations.inspection import ColumnFacts, Inspection
-from echocal.report.html.sections import Head, Section, notes_of, sections_page
+from echocal.report.html.document import Head, Section, notes_of, sections_page
 from echocal.report.results import headline
 from echocal.verify import Verification
 
@@ -15,7 +15,6 @@ def calibration_page(found: Calibration, heading: str, made_by: str = "") -> str
 
     Parameters
     ----------
-    found : Calibration
     heading : str
         Name of the table.
     made_by : str
@@ -59,7 +58,6 @@ def verification_page(found: Verification, heading: str, made_by: str = "") -> s
 
     Parameters
     ----------
-    found : Verification
     heading : str
         Name of the table or the model.
     made_by : str
@@ -86,7 +84,6 @@ def inspection_page(found: Inspection, heading: str, made_by: str = "") -> str:
 
     Parameters
     ----------
-    found : Inspection
     heading : str
         Name of the log.
     made_by : str

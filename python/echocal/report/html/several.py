@@ -3,13 +3,13 @@
 from collections.abc import Mapping
 from typing import Any
 
-from echocal.charts.several import counts_chart, errors_chart, sizes_chart, verdicts_chart
+from echocal.charts.results import counts_chart, fleet_errors_chart, sizes_chart, verdicts_chart
 from echocal.diagnose.pooling.explain import in_table_text, lead, sentence, sizes_text, transfer_text
 from echocal.diagnose.pooling.parts import PooledCause
 from echocal.diagnose.pooling.result import PooledDiagnosis
 from echocal.diagnose.results.explain import probability_text
-from echocal.report.fleet import false_names
-from echocal.report.html.sections import Head, Section, notes_of, sections_page
+from echocal.report.html.document import Head, Section, notes_of, sections_page
+from echocal.report.several import false_names
 
 __all__ = ["fleet_page", "pooled_page"]
 
@@ -19,8 +19,6 @@ def pooled_page(pooled: PooledDiagnosis, heading: str = "several tables", made_b
 
     Parameters
     ----------
-    pooled : PooledDiagnosis
-    heading : str
     made_by : str
         Command line that makes the page again.
     """
@@ -75,7 +73,6 @@ def fleet_page(summary: Mapping[str, Any], heading: str = "fleet", made_by: str 
     ----------
     summary : mapping
         Schema ``echocal.fleet/1``.
-    heading : str
     made_by : str
         Command line that makes the page again.
     """
@@ -105,7 +102,7 @@ def fleet_page(summary: Mapping[str, Any], heading: str = "fleet", made_by: str 
         )
         for one in summary["worst"]
     ]
-    charts = [one for one in (counts_chart(summary), errors_chart(summary)) if one is not None]
+    charts = [one for one in (counts_chart(summary), fleet_errors_chart(summary)) if one is not None]
     sections = [
         Section("Verdicts", charts=[verdicts_chart(summary)]),
         Section("Causes", [*false_names(summary["false_discoveries"]), *together], charts),

@@ -1,25 +1,5 @@
 """How each claim is recomputed; importing this package registers every check."""
 
-from echocal.study.checks import (
-    air,
-    benchmarks,
-    columns,
-    compensation,
-    instruments,
-    pressure_humidity,
-    regressions,
-    statistics,
-    tinkercad,
-)
+from echocal.study.checks import air, benchmarks, columns, pressure_humidity
 
-__all__ = [
-    "air",
-    "benchmarks",
-    "columns",
-    "compensation",
-    "instruments",
-    "pressure_humidity",
-    "regressions",
-    "statistics",
-    "tinkercad",
-]
+__all__ = ["air", "benchmarks", "columns", "pressure_humidity"]

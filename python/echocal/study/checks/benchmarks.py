@@ -1,13 +1,23 @@
-"""The study's benchmarks: errors at the extremes, where the error vanishes."""
+"""What is compared with other work, with data sheets and with Tinkercad."""
 
 from collections.abc import Sequence
 
 import numpy as np
 from scipy.optimize import brentq
 
-from echocal.study.sensor import REFERENCE_LAW, STATED_LAW, error, reading, reading_in, time
+from echocal.model import Model
+from echocal.study.origin import (
+    REFERENCE_LAW,
+    STATED_LAW,
+    error,
+    explain,
+    reading,
+    reading_in,
+    table_law,
+    time,
+)
 from echocal.study.tables import DISTANCE, Tables
-from echocal.study.verdict import Claim, Finding, check
+from echocal.study.verdict import Cell, Claim, Finding, Verdict, check
 
 
 def crossing(law: str, reads: float, **air: float) -> float:
@@ -90,3 +100,98 @@ def exceeds(tables: Tables, claim: Claim, *, at: Sequence[float]) -> Finding:
     recomputed = " and ".join(f"{size:.2f}" for size in sizes.values())
     physical = " and ".join(f"{size:+.2f} %" for size in real.values()) + " at 50 % RH"
     return claim.found(holds, recomputed, because, physical=physical)
+
+
+@check
+def within_datasheet(tables: Tables, claim: Claim) -> Finding:
+    """Temperatures between which the uncompensated sensor keeps the accuracy of its data sheet."""
+    tolerance = claim.number.value * 1e-3
+    stated = [crossing(STATED_LAW, DISTANCE + side) for side in (tolerance, -tolerance)]
+    real = [
+        crossing(REFERENCE_LAW, DISTANCE + side, relative_humidity=0.5) for side in (tolerance, -tolerance)
+    ]
+    table = tables.table1
+    outside = int((abs(table.values("measured_distance_m") - DISTANCE) > tolerance).sum())
+    because = (
+        f"±{claim.printed} mm at 2 m holds from {stated[0]:.1f} to {stated[1]:.1f} °C by the study's "
+        f"equation; "
+        f"{outside} of {len(table)} rows of Table 1 are outside"
+    )
+    physical = f"{real[0]:.1f} to {real[1]:.1f} °C at 50 % RH"
+    numbers = {"low": stated[0], "high": stated[1]}
+    return claim.found(
+        outside > 0, f"{stated[0]:.1f}–{stated[1]:.1f} °C", because, physical=physical, numbers=numbers
+    )
+
+
+@check
+def thermometer(tables: Tables, claim: Claim, *, residual: float) -> Finding:
+    """Whether a thermometer of this accuracy allows the residual that the study claims."""
+    half = claim.number.value
+    ends = tables.table1.temperature[[0, -1]]
+    model = Model(STATED_LAW, {"temperature_offset": {"offset": half}})
+    shift = abs(model.indicate(DISTANCE, temperature=ends) - DISTANCE)
+    worst = float(shift.max())
+    percent = worst / DISTANCE * 100.0
+    because = (
+        f"±{claim.printed} °C alone is ±{float(shift.min()) * 1e3:.2f} to ±{worst * 1e3:.2f} mm at 2 m, "
+        f"up to {percent:.3f} %: more than the {residual:g} % that the compensation is said to leave"
+    )
+    if percent < residual:
+        because = f"±{claim.printed} °C is at most {percent:.3f} %, less than {residual:g} %"
+    numbers = {"millimeters": worst * 1e3, "percent": percent}
+    return claim.found(percent < residual, f"±{worst * 1e3:.1f} mm", because, numbers=numbers)
+
+
+@check
+def replicates(tables: Tables, claim: Claim) -> Finding:
+    """Rows in which Tinkercad and the calculation agree within the data sheet's accuracy."""
+    table = tables.table2
+    away = (
+        table.values("measured_distance_tinkercad_m") - table.values("measured_distance_calculation_m")
+    ) * 1e3
+    rounding = (
+        table.half("measured_distance_tinkercad_m") + table.half("measured_distance_calculation_m")
+    ) * 1e3
+    inside = np.abs(away) - rounding <= claim.number.value
+    cells = tuple(
+        Cell(
+            row + 1,
+            float(table.temperature[row]),
+            printed.text,
+            float(table.values("measured_distance_calculation_m")[row]),
+            Verdict.REPRODUCED if inside[row] else Verdict.NOT_REPRODUCED,
+        )
+        for row, printed in enumerate(table.columns["measured_distance_tinkercad_m"])
+    )
+    because = (
+        f"{int(inside.sum())} of {len(table)} rows agree within ±{claim.printed} mm; "
+        f"every reading is too short, by {-away.max():.0f} to {-away.min():.0f} mm, {-away.mean():.1f} mm on "
+        f"average"
+    )
+    if away.max() >= 0.0:
+        because = f"{int(inside.sum())} of {len(table)} rows agree within ±{claim.printed} mm"
+    numbers = {"mean": float(away.mean()), "scatter": float(away.std(ddof=1))}
+    return claim.found(
+        bool(inside.all()), f"{int(inside.sum())}/{len(table)}", because, cells=cells, numbers=numbers
+    )
+
+
+@check
+def latency(tables: Tables, claim: Claim) -> Finding:
+    """The delay that would explain Tinkercad's readings; a latency cannot be negative."""
+    delay = explain(tables, ["fixed_delay.delay"])["fixed_delay.delay"]
+    micro, sigma = delay.value * 1e6, delay.standard_uncertainty * 1e6
+    because = (
+        f"calibrated against {table_law(tables)}, the delay that explains the column is "
+        f"{micro:.1f} ± {sigma:.1f} µs: "
+    )
+    if micro < -2.0 * sigma:
+        because += "negative, while a latency lengthens the echo and can only make readings longer"
+        verdict = Verdict.PHYSICALLY_WRONG
+    else:
+        because += "not negative, so a latency may explain it"
+        verdict = Verdict.REPRODUCED
+    return claim.found(
+        verdict, f"{micro:.1f}", because, physical="≥ 0 µs", numbers={"delay_us": micro, "sigma_us": sigma}
+    )

@@ -1,14 +1,20 @@
-"""The tables, cell by cell."""
+"""Columns of the tables, row by row: what recomputes them, their errors, correlations and regressions."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.study.rounding import Printed
-from echocal.study.sensor import REFERENCE_LAW, STATED_LAW, error, reading, reading_in, speed, time
-from echocal.study.tables import Table, Tables
+from echocal.calibrate import Calibration, Regression, calibrate
+from echocal.study.origin import REFERENCE_LAW, STATED_LAW, error, reading, reading_in, speed, time
+from echocal.study.tables import DISTANCE, READING_SPEED, Printed, Table, Tables, observations, reach
 from echocal.study.verdict import Cell, Claim, Finding, Verdict, check
+
+COLUMNS = {
+    "calculation": "measured_distance_calculation_m",
+    "tinkercad": "measured_distance_tinkercad_m",
+}
 
 Array = NDArray[np.float64]
 INDOORS = 0.5  # relative humidity of the physical value beside each cell
@@ -179,3 +185,84 @@ def increment(tables: Tables, claim: Claim) -> Finding:
     if extra:
         because += f": Table 2 has one more row, {', '.join(f'{value:g}' for value in extra)} °C"
     return claim.found(holds, f"{most:g}", because)
+
+
+def _rmse(x: Array, y: Array) -> float:
+    return float(np.sqrt(np.mean((x - y) ** 2)) * 1e3)
+
+
+def _mae(x: Array, y: Array) -> float:
+    return float(np.mean(np.abs(x - y)) * 1e3)
+
+
+def _pearson(x: Array, y: Array) -> float:
+    return float(np.corrcoef(x, y)[0, 1])
+
+
+STATISTICS: dict[str, Callable[[Array, Array], float]] = {"rmse": _rmse, "mae": _mae, "pearson": _pearson}
+
+
+@check
+def statistic(tables: Tables, claim: Claim, *, kind: str, of: str, against: str) -> Finding:
+    """Recompute a statistic of Table 2's columns, over everything that rounds to their cells."""
+    table = tables.table2
+    function = STATISTICS[kind]
+    x, half = table.values(COLUMNS[of]), table.half(COLUMNS[of])
+    if against in COLUMNS:
+        y, half = table.values(COLUMNS[against]), np.concatenate([half, table.half(COLUMNS[against])])
+        value = function(x, y)
+        n = len(x)
+        low, high = reach(lambda both: function(both[:n], both[n:]), np.concatenate([x, y]), half)
+    else:
+        y = table.temperature if against == "temperature" else np.full(len(x), DISTANCE)
+        value = function(x, y)
+        low, high = reach(lambda cells: function(cells, y), x, half)
+    digits = len(claim.printed.partition(".")[2])
+    because = (
+        f"{value:.{digits}f} over the {len(table)} rows of Table 2; "
+        f"the rounding of its cells allows {low:.{digits}f} to {high:.{digits}f}"
+    )
+    numbers = {"value": value, "low": low, "high": high}
+    if of == "calculation" and against not in COLUMNS:
+        first = tables.table1
+        other = first.temperature if against == "temperature" else np.full(len(first), DISTANCE)
+        numbers["table1"] = function(first.values("measured_distance_m"), other)
+        because += f"; Table 1's {len(first)} rows give {numbers['table1']:.{digits}f}"
+    return claim.found(claim.number.meets(low, high), f"{value:.{digits}f}", because, numbers=numbers)
+
+
+def fit(temperature: NDArray[np.float64], reading: NDArray[np.float64], degree: int) -> Calibration:
+    """Fit a polynomial in temperature to readings [m]."""
+    form = Regression.polynomial("temperature", degree, law=READING_SPEED)
+    return calibrate(observations(temperature, reading), form)
+
+
+def _number(
+    reading: NDArray[np.float64], *, temperature: NDArray[np.float64], degree: int, term: str
+) -> float:
+    found = fit(temperature, reading, degree)
+    return found.r_squared if term == "r_squared" else found[term].value
+
+
+@check
+def regression(tables: Tables, claim: Claim, *, degree: int, term: str) -> Finding:
+    """A coefficient or R² of the regression of reading on temperature."""
+    table = tables.table2
+    reading, half = (
+        table.values("measured_distance_calculation_m"),
+        table.half("measured_distance_calculation_m"),
+    )
+    number = partial(_number, temperature=table.temperature, degree=degree, term=term)
+    value = number(reading)
+    holds = claim.number.holds(value) or claim.number.meets(*reach(number, reading, half))
+    first = tables.table1
+    other = _number(
+        first.values("measured_distance_m"), temperature=first.temperature, degree=degree, term=term
+    )
+    found = fit(table.temperature, reading, degree)
+    spread = "" if term == "r_squared" else f" ± {found[term].standard_uncertainty:.1g}"
+    because = (
+        f"{value:.6g}{spread} from Table 2's calculated column ({len(table)} rows); "
+        f"Table 1's {len(first)} rows give {other:.6g}"
+    )
+    return claim.found(holds, f"{value:.5g}", because, numbers={"value": value, "table1": other})

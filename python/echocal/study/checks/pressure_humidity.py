@@ -1,11 +1,14 @@
 """What the study says about humidity and pressure, against true air."""
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
-from echocal.study.refuted import HUMIDITY_COEFFICIENT, STANDARD_PRESSURE, refuted_humidity, refuted_pressure
-from echocal.study.sensor import REFERENCE_LAW, reading_in, speed
+from echocal.study.origin import REFERENCE_LAW, reading_in, speed
 from echocal.study.tables import DISTANCE, Tables
 from echocal.study.verdict import Claim, Finding, Verdict, check
+
+HUMIDITY_COEFFICIENT = 0.00016
+STANDARD_PRESSURE = 101325.0  # Pa
 
 ROOM = 20.0  # degC
 AROUND = 99e3  # Pa; ten percent more and less are within the domain of the reference law
@@ -160,3 +163,29 @@ def pressure_altitude(tables: Tables, claim: Claim, *, pressure: float) -> Findi
         physical=f"{gain:+.1f} mm",
         numbers={"spoiled": spoiled, "gain": gain},
     )
+
+
+def refuted_humidity(dry_speed: ArrayLike, relative_humidity: ArrayLike) -> NDArray[np.float64]:
+    """REFUTED: speed of sound [m/s] in humid air as section III.B of the study has it.
+
+    Parameters
+    ----------
+    dry_speed : array_like
+        Speed in dry air [m/s].
+    relative_humidity : array_like
+        "RH" of the study, which it means in percent in one sentence and as 0 to 1 in the next.
+    """
+    return np.asarray(dry_speed) * (1.0 + HUMIDITY_COEFFICIENT * np.asarray(relative_humidity))
+
+
+def refuted_pressure(speed: ArrayLike, pressure: ArrayLike) -> NDArray[np.float64]:
+    """REFUTED: speed of sound [m/s] "proportional to the square root of absolute pressure".
+
+    Parameters
+    ----------
+    speed : array_like
+        Speed at standard pressure [m/s].
+    pressure : array_like
+        Pressure [Pa].
+    """
+    return np.asarray(speed) * np.sqrt(np.asarray(pressure) / STANDARD_PRESSURE)

@@ -1,23 +1,27 @@
 """Everything that the emulated board measured for the question, as a file."""
 
 import json
-from collections.abc import Callable, Sequence
+import re
+import zlib
+from collections.abc import Callable, Iterable, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
+from importlib import resources
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from echocal import silicon
 from echocal.errors import DataError
 from echocal.keywords import command_line
 from echocal.study.question import scenes
-from echocal.study.question.experiment import Readings, run_all
 from echocal.study.question.laws import ALL, suspect
 from echocal.study.question.suspects import Suspect
 from echocal.study.tables import DISTANCE, Tables
 
-__all__ = ["NEAR", "TOLD", "Investigation", "investigate"]
+__all__ = ["NEAR", "TOLD", "Investigation", "Readings", "investigate", "run"]
 
 Column = NDArray[np.float64]
 Progress = Callable[[int, int], object]
@@ -29,28 +33,111 @@ NEAR = 0.5
 
 TOLD = ("pulse_in", "target", "module_factor", "law_332", "latency")
 """Suspects whose tables at both distances, with a potentiometer set by hand, are given to the diagnosis."""
+_SILENCE = (450e-6, 450e-6 + 1024e-6)  # s: over a period of the interrupt of millis()
+_ROW = re.compile(r"(-?\d+),(-?\d+\.\d+|inf|nan|ovf),(-?\d+\.\d+)$")
+_BOARDS = 2  # at a time
+
+
+@dataclass(frozen=True)
+class Readings:
+    """What the board printed."""
+
+    suspect: str  # name of the suspect
+    reading: Column  # readings [m]; shape (tables, n)
+    duration: Column  # echo times as the program counted them [us]; shape (tables, n)
+
+
+def run(
+    suspect: Suspect, temperature: Column, distance: float = DISTANCE, tables: int | None = None
+) -> Readings:
+    """Run the experiment with one suspect.
+
+    Raises `UsageError` if a tool is not installed, and `DataError` if a line is not as the program prints it.
+
+    Parameters
+    ----------
+    temperature : ndarray, shape (n,)
+        Temperatures of the rows [degC].
+    distance : float
+        Distance of the target [m].
+    tables : int, optional
+        How often all rows are measured.
+    """
+    # one generator for a suspect, whatever else runs
+    random = np.random.default_rng([zlib.crc32(suspect.id.encode()), round(distance * 1e3)])
+    count = tables or suspect.tables
+    rows = [suspect.scene(temperature, distance, random) for _ in range(count)]
+    echo = np.concatenate([one.echo for one in rows])
+    drawn = random.uniform(*_SILENCE, echo.shape)
+    options = [f"-D{name}={text}" for name, text in suspect.macros.items()]
+    with resources.as_file(resources.files("echocal.study") / "data" / "tinkercad.ino") as path:
+        sketch = silicon.compile_sketch(Path(path), options=options)
+    played = silicon.play(
+        sketch,
+        echo,
+        silence=drawn if suspect.silence is None else suspect.silence,
+        voltages=np.concatenate([one.voltage for one in rows]),
+    )
+    numbers = np.array([_numbers(lines, suspect) for lines in played.rows])
+    shape = (count, len(temperature))
+    return Readings(suspect.id, numbers[:, 1].reshape(shape), numbers[:, 0].reshape(shape))
+
+
+def run_all(
+    jobs: Sequence[tuple[Suspect, float, int | None]],
+    temperature: Column,
+    *,
+    progress: Progress | None = None,
+) -> list[Readings]:
+    """Run the experiment several times.
+
+    Raises `UsageError` if a tool is not installed.
+
+    Parameters
+    ----------
+    jobs : sequence of (Suspect, float, int or None)
+        Suspect, distance [m] and number of tables, as of `run`.
+    temperature : ndarray, shape (n,)
+        Temperatures of the rows [degC].
+    progress : callable, optional
+        Called with the number of runs done, and that of all.
+    """
+    silicon.refuse_missing()
+    with ThreadPoolExecutor(_BOARDS) as pool:
+        found = pool.map(lambda job: run(job[0], temperature, *job[1:]), jobs)
+        return list(_counted(found, len(jobs), progress))
+
+
+def _counted(found: Iterable[Readings], count: int, progress: Progress | None) -> Iterable[Readings]:
+    for done, one in enumerate(found, 1):
+        if progress is not None:
+            progress(done, count)
+        yield one
+
+
+def _numbers(lines: Sequence[str], suspect: Suspect) -> list[float]:
+    """Return duration, reading and temperature of a row."""
+    match = _ROW.search(lines[0]) if lines else None
+    if match is None:
+        message = (
+            f"the board printed {lines} for a row of suspect '{suspect.id}', not echo, reading, temperature"
+        )
+        raise DataError(message)
+    return [float(text) for text in match.groups()]
 
 
 @dataclass(frozen=True)
 class Investigation:
-    """Readings of the emulated board.
-
-    Attributes
-    ----------
-    temperature : ndarray, shape (n,)
-        Temperatures of Table 2 [degC].
-    far : dict of str to Readings
-        Of each suspect at 2 m.
-    near : dict of str to Readings
-        Of each suspect that moves all rows, at `NEAR`.
-    told : dict of str to tuple of Readings
-        Of the suspects `TOLD` at 2 m and at `NEAR`, with a potentiometer that is set by hand.
-    """
+    """Readings of the emulated board."""
 
     temperature: Column
+    """Temperatures of Table 2 [degC]; shape (n,)."""
     far: dict[str, Readings]
+    """Of each suspect at 2 m."""
     near: dict[str, Readings]
+    """Of each suspect that moves all rows, at `NEAR`."""
     told: dict[str, tuple[Readings, Readings]]
+    """Of the suspects `TOLD` at 2 m and at `NEAR`, with a potentiometer that is set by hand."""
 
     def text(self) -> str:
         """Return the content of the file, a table in a line."""
@@ -71,13 +158,7 @@ class Investigation:
 
     @classmethod
     def load(cls, path: Path) -> "Investigation":
-        """Read a file that `text` made.
-
-        Raises
-        ------
-        DataError
-            If it is none.
-        """
+        """Read a file that `text` made. Raises `DataError` if it is none."""
         try:
             content = json.loads(path.read_text(encoding="utf-8"))
             if content["schema"] != SCHEMA:
@@ -97,21 +178,14 @@ class Investigation:
 def investigate(tables: Tables | None = None, *, progress: Progress | None = None) -> Investigation:
     """Run the study's experiment on the emulated board, once for each suspect.
 
+    Raises `UsageError` if a tool is not installed.
+
     Parameters
     ----------
     tables : Tables, optional
         Other tables than those that the package ships.
     progress : callable, optional
         Called with the number of runs done, and that of all.
-
-    Returns
-    -------
-    Investigation
-
-    Raises
-    ------
-    UsageError
-        If a tool is not installed.
     """
     temperature = (tables or Tables.load()).table2.temperature
     moving = [one for one in ALL if one.place not in ("setting", "none") and not one.absent]

@@ -6,8 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.study.question.comparison import Pattern
-from echocal.study.question.explanations import Explanation
+from echocal.study.question.explanations import Explanation, Pattern
 from echocal.study.question.suspects import Suspect
 
 __all__ = ["MEASUREMENTS", "Effects", "Measurement", "Outcome", "judge", "separation"]
@@ -26,23 +25,14 @@ _SEEN = ("timer", "module", "target")
 
 @dataclass(frozen=True)
 class Effects:
-    """What is known of the suspects for the prediction of further measurements.
+    """What is known of the suspects for the prediction of further measurements."""
 
-    Attributes
-    ----------
-    far, near : dict of str to float
-        Mean deviation that a suspect makes at 2 m and at the second distance [mm]; of a free one, per unit of
-        its size.
-    table : Pattern
-        Table 2.
-    jitter : float
-        Standard deviation of a reading when nothing is touched [mm].
-    """
-
+    # far, near: mean deviation that a suspect makes at 2 m and at the second distance [mm]; of a free one,
+    # per unit of its size
     far: Mapping[str, float]
     near: Mapping[str, float]
-    table: Pattern
-    jitter: float
+    table: Pattern  # Table 2
+    jitter: float  # standard deviation of a reading when nothing is touched [mm]
 
 
 Channel = Callable[[Suspect, float, Effects], float]
@@ -76,17 +66,10 @@ class Measurement:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What a measurement is worth.
-
-    Attributes
-    ----------
-    measurement : Measurement
-    expected_probability : float
-        Expected posterior probability of what is true, after the measurement.
-    """
+    """What a measurement is worth."""
 
     measurement: Measurement
-    expected_probability: float
+    expected_probability: float  # expected posterior probability of what is true, after the measurement
 
 
 def _at(place: Sequence[str], factor: float = 1.0) -> Channel:
@@ -183,7 +166,6 @@ def judge(explanations: Sequence[Explanation], effects: Effects) -> list[Outcome
     ----------
     explanations : sequence of Explanation
         The most probable first.
-    effects : Effects
 
     Returns
     -------

@@ -6,9 +6,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from echocal.plots.files import save_figure
+from echocal.plots.draw import save_figure
 from echocal.study.question.answer import Answer, Made
-from echocal.study.question.comparison import LIMIT, unrounded
+from echocal.study.question.explanations import LIMIT, unrounded
 from echocal.study.question.page import FIGURES
 
 __all__ = ["draw_outcomes", "draw_rows", "draw_suspects", "save"]
@@ -25,7 +25,6 @@ def save(found: Answer, folder: Path) -> list[Path]:
 
     Parameters
     ----------
-    found : Answer
     folder : Path
         Where to; it is made where it is missing.
 
@@ -59,7 +58,6 @@ def draw_suspects(found: Answer, axes: Axes) -> None:
 
     Parameters
     ----------
-    found : Answer
     axes : Axes
         Where to draw.
     """
@@ -108,7 +106,6 @@ def draw_rows(found: Answer, axes: Axes) -> None:
 
     Parameters
     ----------
-    found : Answer
     axes : Axes
         Where to draw.
     """
@@ -142,7 +139,6 @@ def draw_outcomes(found: Answer, axes: Axes) -> None:
 
     Parameters
     ----------
-    found : Answer
     axes : Axes
         Where to draw.
     """

@@ -36,18 +36,10 @@ _DAMP = 0.5  # relative humidity of a room
 
 @dataclass(frozen=True)
 class Rows:
-    """Rows for the board.
+    """Rows for the board."""
 
-    Attributes
-    ----------
-    echo : ndarray, shape (n,)
-        Length of ECHO [s].
-    voltage : ndarray, shape (n,)
-        Of the potentiometer [V].
-    """
-
-    echo: Column
-    voltage: Column
+    echo: Column  # length of ECHO [s]; shape (n,)
+    voltage: Column  # of the potentiometer [V]; shape (n,)
 
 
 Scene = Callable[[Column, float, np.random.Generator], Rows]

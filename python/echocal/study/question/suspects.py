@@ -11,65 +11,41 @@ __all__ = ["SUSPECTS", "Free", "Suspect"]
 
 @dataclass(frozen=True)
 class Free:
-    """A size that is not known.
-
-    Attributes
-    ----------
-    name, unit : str
-    low, high : float
-        What is possible, uniformly.
-    staged : float
-        Size on the emulated board; the effect of other sizes is proportional.
-    why : str
-        Where the range comes from.
-    """
+    """A size that is not known."""
 
     name: str
     unit: str
+    # low, high: what is possible, uniformly
     low: float
     high: float
-    staged: float
-    why: str
+    staged: float  # size on the emulated board; the effect of other sizes is proportional
+    why: str  # where the range comes from
 
 
 @dataclass(frozen=True)
 class Suspect:
-    """One change of the experiment.
-
-    Attributes
-    ----------
-    id, title : str
-    place : str
-        Part of the experiment. Two suspects of one place exclude each other.
-    says : str
-        What happens, in one sentence.
-    macros : mapping of str to str
-        Steps of the program that are replaced.
-    scene : Scene
-        What person and module do.
-    free : Free, optional
-        Its size, if nothing fixes it.
-    tables : int
-        Number of tables that the board makes.
-    silence : float, optional
-        From the trigger to the rise of ECHO [s]; default: drawn, so that the phase to `millis()` is.
-    absent : str
-        Why Tinkercad cannot have it; empty if it can.
-    cuts_off : bool
-        Whether the steps of its rows belong to it.
-    """
+    """One change of the experiment."""
 
     id: str
     title: str
     place: str
+    """Part of the experiment. Two suspects of one place exclude each other."""
     says: str
+    """What happens, in one sentence."""
     macros: Mapping[str, str] = field(default_factory=dict)
+    """Steps of the program that are replaced."""
     scene: Scene = scenes.plain
+    """What person and module do."""
     free: Free | None = None
+    """Its size, if nothing fixes it."""
     tables: int = 2
+    """Number of tables that the board makes."""
     silence: float | None = None
+    """From the trigger to the rise of ECHO [s]; default: drawn, so that the phase to `millis()` is."""
     absent: str = ""
+    """Why Tinkercad cannot have it; empty if it can."""
     cuts_off: bool = False
+    """Whether the steps of its rows belong to it."""
 
 
 _RANDOM_TABLES = 20

@@ -6,8 +6,7 @@ from collections.abc import Iterable
 
 from echocal.keywords import command_line
 from echocal.study.question.answer import Answer, Made
-from echocal.study.question.comparison import LIMIT
-from echocal.study.question.explanations import Explanation, involved
+from echocal.study.question.explanations import LIMIT, Explanation, involved
 from echocal.study.question.laws import suspect
 
 __all__ = ["away", "head", "limits", "next_measurement", "scatter", "told"]

@@ -1,18 +1,20 @@
-"""One measuring campaign: what is true in every row, who measures, and who writes it down."""
+"""One measuring campaign: what is true in every row, who measures, who writes it down, what acts."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from numbers import Real
 from typing import Any
 
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from echocal.errors import UsageError
 from echocal.virtual_bench.waveform.fluctuations import Turbulence
 from echocal.virtual_bench.waveform.sensor import Sensor
 from echocal.virtual_bench.waveform.target import Target
 
-__all__ = ["INTERFERENCE", "TILT", "Campaign", "Random", "Surroundings"]
+__all__ = ["CAUSES", "INTERFERENCE", "TILT", "Campaign", "Cause", "Random", "Surroundings", "cause"]
 
 Column = NDArray[np.float64]
 Labels = NDArray[np.int64]
@@ -39,93 +41,61 @@ class Random:
 
 @dataclass
 class Surroundings:
-    """What a log may record of the air and the supply, as it truly is.
+    """What a log may record of the air and the supply, as it truly is."""
 
-    Attributes
-    ----------
-    temperature, relative_humidity, pressure : ndarray, shape (n,)
-        Of the air at the thermometer [degC], [0..1], [Pa].
-    wind_along, wind_across : ndarray, shape (n,)
-        [m/s].
-    radiation : ndarray, shape (n,)
-        Of the sun [W/m2].
-    supply : ndarray, shape (n,)
-        Over its nominal voltage.
-    """
-
+    # temperature, relative_humidity, pressure: of the air at the thermometer [degC], [0..1], [Pa]; shape (n,)
     temperature: Column
     relative_humidity: Column
     pressure: Column
+    # wind_along, wind_across: [m/s]; shape (n,)
     wind_along: Column
     wind_across: Column
-    radiation: Column
-    supply: Column
+    radiation: Column  # of the sun [W/m2]; shape (n,)
+    supply: Column  # over its nominal voltage; shape (n,)
 
 
 @dataclass
 class Campaign:
-    """What a design lays down, and a cause changes.
-
-    Attributes
-    ----------
-    design : str
-    seconds : ndarray, shape (n,)
-        True time of each reading [s].
-    distance : ndarray, shape (n,)
-        True distance of the target [m].
-    placement : ndarray of int, shape (n,)
-        Number of the place of the target, from 0: as it was put up once, whenever it is looked at.
-    around : Surroundings
-    reference : ndarray, shape (n,), or None
-        Distance that is written down [m]; None where nobody knows it.
-    unknown_constant : bool
-        Whether the user says that the distance is constant instead.
-    air : ndarray, shape (n,)
-        Temperature of the path [degC]: that of the air at the thermometer, and what causes add.
-    numbered : bool
-        Whether the log has a column with the number of the placement, where somebody puts them up.
-    by_hand : bool
-        Whether somebody puts up each placement, and numbers them.
-    co2 : float or ndarray, shape (n,)
-        Mole fraction.
-    sensor : Sensor
-    target : Target
-    second_thermometer : ndarray, shape (n,), or None
-        What a thermometer at another place says [degC].
-    scene : dict
-        Further arguments of `Scene`.
-    turbulence : Turbulence
-    slow_air : float
-        Standard deviation of the path's temperature about that at the thermometer [K].
-    thermometer, pulse, logger : list of function
-        Stages of causes: of the recorded temperature, of the length of the pulse [s], and of the finished
-        table.
-    shown : set of str
-        Columns that the log holds beside the usual ones.
-    """
+    """What a design lays down, and a cause changes."""
 
     design: str
     seconds: Column
+    """True time of each reading [s]; shape (n,)."""
     distance: Column
+    """True distance of the target [m]; shape (n,)."""
     placement: Labels
+    """Number of the place of the target, from 0: as it was put up once, whenever it is looked at; shape
+    (n,)."""
     around: Surroundings
     reference: Column | None
+    """Distance that is written down [m]; None where nobody knows it; shape (n,)."""
     unknown_constant: bool = False
+    """Whether the user says that the distance is constant instead."""
     numbered: bool = True
+    """Whether the log has a column with the number of the placement, where somebody puts them up."""
     by_hand: bool = False
+    """Whether somebody puts up each placement, and numbers them."""
     co2: float | Column = 4.2e-4
+    """Mole fraction; shape (n,)."""
     sensor: Sensor = field(default_factory=Sensor)
     target: Target = field(default_factory=Target)
     second_thermometer: Column | None = None
+    """What a thermometer at another place says [degC]; shape (n,)."""
     scene: dict[str, Any] = field(default_factory=dict)
+    """Further arguments of `Scene`."""
     turbulence: Turbulence = field(default_factory=Turbulence)
     slow_air: float = 0.05
+    """Standard deviation of the path's temperature about that at the thermometer [K]."""
     air: Column = field(init=False)
+    """Temperature of the path [degC]: that of the air at the thermometer, and what causes add; shape (n,)."""
     device_temperature: Column = field(init=False)
+    # thermometer, pulse, logger: stages of causes: of the recorded temperature, of the length of the pulse
+    # [s], and of the finished table
     thermometer: list[Callable[[Column], Column]] = field(default_factory=list)
     pulse: list[Callable[[Column], Column]] = field(default_factory=list)
     logger: list[Callable[[pd.DataFrame], pd.DataFrame]] = field(default_factory=list)
     shown: set[str] = field(default_factory=set)
+    """Columns that the log holds beside the usual ones."""
 
     def __post_init__(self) -> None:
         self.air = self.around.temperature.copy()
@@ -133,3 +103,107 @@ class Campaign:
 
     def __len__(self) -> int:
         return len(self.seconds)
+
+
+Stage = Callable[[Campaign, float, np.random.Generator], None]
+
+_MOST = 10.0  # times the largest usual size: more is a slip of the unit
+_LEAST = 1e-6  # of the largest usual size: less shows in no table
+
+
+@dataclass(frozen=True)
+class Cause:
+    """A cause and how it is staged.
+
+    Attributes
+    ----------
+    id : str
+        As in the catalogue of effects and noises, or a name of the bench where the catalogue has none.
+    unit : str
+        Of its size.
+    low, high : float
+        Usual sizes; a negative `low` of the same amount means either sign.
+    sentence : str
+    needs : frozenset of str
+        What a design must have to show it: "time" (hours), "distances", "weather" (days of it), "visits"
+        (known placements), "reference" (known distances).
+    in_catalogue : bool
+    stage : callable
+    whole : bool
+        Whether its size is a whole number.
+    """
+
+    id: str
+    unit: str
+    low: float
+    high: float
+    sentence: str
+    needs: frozenset[str]
+    in_catalogue: bool
+    stage: Stage
+    whole: bool = False
+
+    def refused(self, offered: frozenset[str]) -> frozenset[str]:
+        """What a design lacks without which there is nothing to stage; without weather a cause acts, too."""
+        return self.needs - offered - {"weather"}
+
+    def usual(self) -> str:
+        """Write the usual sizes."""
+        return f"+-{-self.low / 4:g} to {self.high:g}" if self.low < 0 else f"{self.low:g} to {self.high:g}"
+
+    def check(self, size: float) -> float:
+        """Return a size that somebody asks for.
+
+        Raises
+        ------
+        UsageError
+            If it is not a number, or of the wrong sign, or more than ten times the usual, or less than a
+            millionth of it.
+        """
+        if isinstance(size, bool) or not isinstance(size, Real):
+            message = f"{self.id}={size!r}: its size is a number [{self.unit}], or None for a usual one"
+            raise UsageError(message)
+        least = -_MOST * self.high if self.low < 0 else 0.0
+        if not least <= size <= _MOST * self.high or abs(size) < _LEAST * self.high:
+            limits = f"from {least:g} to {_MOST * self.high:g}, and not 0"
+            message = (
+                f"{self.id}={size:g}: its size is {limits} [{self.unit}]; usual is {self.usual()}, "
+                f"and {self.id} without a size draws one"
+            )
+            raise UsageError(message)
+        if self.whole and size != round(size):
+            message = f"{self.id}={size:g}: its size is a whole number [{self.unit}]; usual is {self.usual()}"
+            raise UsageError(message)
+        return float(size)
+
+    def draw(self, random: np.random.Generator) -> float:
+        """Draw a usual size, log-uniform."""
+        if self.low < 0:
+            return float(
+                random.choice([-1, 1]) * np.exp(random.uniform(np.log(-self.low / 4), np.log(self.high)))
+            )
+        size = float(np.exp(random.uniform(np.log(self.low), np.log(self.high))))
+        return float(round(size)) if self.whole else size
+
+
+CAUSES: dict[str, Cause] = {}
+
+
+def cause(
+    unit: str,
+    low: float,
+    high: float,
+    *needs: str,
+    id: str = "",
+    in_catalogue: bool = True,
+    whole: bool = False,
+) -> Callable[[Stage], Stage]:
+    """Register a function that stages a cause; its name is the id, its docstring the sentence."""
+
+    def register(stage: Stage) -> Stage:
+        name = id or stage.__name__
+        sentence = (stage.__doc__ or "").strip().splitlines()[0]
+        CAUSES[name] = Cause(name, unit, low, high, sentence, frozenset(needs), in_catalogue, stage, whole)
+        return stage
+
+    return register

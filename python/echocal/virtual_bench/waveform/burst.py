@@ -50,26 +50,13 @@ class Resonance:
 
 @dataclass(frozen=True)
 class BurstResponse:
-    """What a chain of resonances makes of a burst: `Re[envelope(t) exp(2 pi i frequency t)]`.
+    """What a chain of resonances makes of a burst: `Re[envelope(t) exp(2 pi i frequency t)]`."""
 
-    Attributes
-    ----------
-    frequency : float
-        Of the carrier [Hz].
-    length : float
-        Of the burst [s].
-    carrier : ndarray of complex, shape (n,)
-        Steady answer to the carrier.
-    rates : ndarray of complex, shape (n, k)
-        Decay of each resonance beside the carrier [1/s].
-    sizes, after : ndarray of complex, shape (n, k)
-        Their phasors while the burst lasts, and after it.
-    """
-
-    frequency: float
-    length: float
-    carrier: Phasor
-    rates: Phasor
+    frequency: float  # of the carrier [Hz]
+    length: float  # of the burst [s]
+    carrier: Phasor  # steady answer to the carrier; shape (n,)
+    rates: Phasor  # decay of each resonance beside the carrier [1/s]; shape (n, k)
+    # sizes, after: their phasors while the burst lasts, and after it; shape (n, k)
     sizes: Phasor
     after: Phasor
 
@@ -81,17 +68,12 @@ class BurstResponse:
 
         Parameters
         ----------
-        chain : sequence of Resonance
         frequency : float
             Of the carrier [Hz].
         cycles : int
             Of the burst.
         temperature : array_like, shape (n,)
             Of the resonances [degC].
-
-        Returns
-        -------
-        BurstResponse
         """
         celsius = np.atleast_1d(np.asarray(temperature, dtype=float))
         omega = 2 * np.pi * frequency

@@ -20,7 +20,6 @@ def remembering(seconds: Column, time_constant: float, random: np.random.Generat
         Time of each value [s]; it may stand still, and the process with it.
     time_constant : float
         [s].
-    random : numpy.random.Generator
 
     Returns
     -------
@@ -50,18 +49,6 @@ class Turbulence:
     amplitude grows with its power 11/12 (Tatarskii 1971, The Effects of the Turbulent Atmosphere on Wave
     Propagation).
 
-    Attributes
-    ----------
-    way : float
-        Standard deviation of the distance, of a target one meter away [m].
-    log_amplitude : float
-        The same of the logarithm of the amplitude.
-    time_constant, flicker : float
-        How long a cell delays the sound, and how long it focuses it [s].
-    cell : float
-        How far the temperatures of two points know of each other [m]; assumed to be about the height above
-        the ground.
-
     Notes
     -----
     The variance of the logarithm of a spherical wave's amplitude is `0.124 C k^(7/6) L^(11/6)` with
@@ -73,10 +60,15 @@ class Turbulence:
     """
 
     way: float = 0.15e-3
+    """Standard deviation of the distance, of a target one meter away [m]."""
     log_amplitude: float = 0.004
+    # time_constant, flicker: how long a cell delays the sound, and how long it focuses it [s]
+    """The same of the logarithm of the amplitude."""
     time_constant: float = 2.0
     flicker: float = 0.3
     cell: float = 1.0
+    """How far the temperatures of two points know of each other [m]; assumed to be about the height above the
+    ground."""
 
     def draw(
         self, seconds: Column, distance: Column, path: NDArray[np.int64], random: np.random.Generator

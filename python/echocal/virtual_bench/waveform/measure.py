@@ -8,8 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from echocal.virtual_bench.waveform.burst import BurstResponse
-from echocal.virtual_bench.waveform.crossing import first_crossing
-from echocal.virtual_bench.waveform.received import HEARD, Noise, NoiseAlone, Received
+from echocal.virtual_bench.waveform.received import HEARD, Noise, NoiseAlone, Received, first_crossing
 from echocal.virtual_bench.waveform.scene import Scene
 from echocal.virtual_bench.waveform.sensor import Sensor
 

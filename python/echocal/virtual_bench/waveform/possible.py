@@ -12,27 +12,15 @@ __all__ = ["Limits", "check", "check_length", "check_seed"]
 
 @dataclass(frozen=True)
 class Limits:
-    """What a number may be.
+    """What a number may be."""
 
-    Attributes
-    ----------
-    low, high : float
-        It is at least this and at most that.
-    above : bool
-        Whether it must be more than `low`.
-    endless : bool
-        Whether it may be infinite: a thing that is not there, a size without end.
-    unit : str
-    way_out : str
-        What to do, if the limits do not tell it.
-    """
-
+    # low, high: it is at least this and at most that
     low: float = -np.inf
     high: float = np.inf
-    above: bool = False
-    endless: bool = False
+    above: bool = False  # whether it must be more than `low`
+    endless: bool = False  # whether it may be infinite: a thing that is not there, a size without end
     unit: str = ""
-    way_out: str = ""
+    way_out: str = ""  # what to do, if the limits do not tell it
 
     def allow(self, values: np.ndarray) -> np.ndarray:
         """Tell which values are possible."""
@@ -53,10 +41,7 @@ class Limits:
 def check(name: str, value: ArrayLike, limits: Limits) -> None:
     """Check a number, or one for each reading.
 
-    Raises
-    ------
-    UsageError
-        If one is not possible; the text names it, its value, the limit and the way out.
+    Raises `UsageError` if one is not possible; the text names it, its value, the limit and the way out.
 
     Examples
     --------
@@ -91,10 +76,7 @@ def check_seed(name: str, seed: object) -> None:
 def check_length(name: str, value: ArrayLike, count: int) -> None:
     """Check that a column has a value for each reading, or one for all.
 
-    Raises
-    ------
-    UsageError
-        If it has another number of values.
+    Raises `UsageError` if it has another number of values.
     """
     values = np.asarray(value)
     if values.ndim and values.shape != (count,):

@@ -111,7 +111,6 @@ def echo_of(
 
     Parameters
     ----------
-    target : Target
     distance : ndarray, shape (n,)
         From the sensor to the middle of the target along the axis [m].
     wave_number : ndarray, shape (n,)

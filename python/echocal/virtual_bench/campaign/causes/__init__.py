@@ -1,12 +1,6 @@
 """Causes: to stage a further one, write a function with the decorator `cause` in the room where it acts."""
 
-from echocal.virtual_bench.campaign.causes import (
-    acoustics,
-    bookkeeping,
-    electronics,
-    thermometry,
-    unforeseen,
-)
-from echocal.virtual_bench.campaign.causes.registry import CAUSES, Cause
+from echocal.virtual_bench.campaign.campaign import CAUSES, Cause
+from echocal.virtual_bench.campaign.causes import instrument, surroundings
 
-__all__ = ["CAUSES", "Cause", "acoustics", "bookkeeping", "electronics", "thermometry", "unforeseen"]
+__all__ = ["CAUSES", "Cause", "instrument", "surroundings"]
