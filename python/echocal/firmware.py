@@ -88,7 +88,7 @@ def generate(
         What to save: bytes of flash, or cycles.
     form : str, optional
         The only form to try, ``"polynomial"``, ``"adapted"``, ``"interpolated_table"``, ``"segments"``,
-        ``"square"``, ``"factored"``, ``"full_table"``, ``"additive"`` or ``"grid"``; default:
+        ``"square"``, ``"factored"``, ``"full_table"``, ``"bent"``, ``"additive"`` or ``"grid"``; default:
         the cheapest of all.
     accept : iterable of str, or str
         Effects that may be left out although they change the distance.
