@@ -9,7 +9,7 @@
 //! 1. `types`: integer types of C and their ranges. `error`: the errors. `affine`, `jet`, `minimax`: numerics. `hash`:
 //!    the hash of all outputs.
 //! 2. `output`: the unit of the result.
-//! 3. `device`: the codes that the device measures.
+//! 3. `device`: the codes that the device measures. `filter`: the median of the last outputs.
 //! 4. `ir`: programs of exact integer operations, and the twin.
 //! 5. `reference`: the model that a program must follow. `target`: costs on each core.
 //! 6. `lower`: a calibrated model as that reference. `form`: ways to compute the speed factor. `prove`: the proof.
@@ -24,6 +24,7 @@ pub mod design;
 pub mod device;
 pub mod emit;
 pub mod error;
+pub mod filter;
 pub mod form;
 pub mod hash;
 pub mod ir;
@@ -40,5 +41,6 @@ pub use design::{Design, Failure, Progress, Reachable, Request, design};
 pub use device::{Axis, Device, Status};
 pub use emit::{Measurement, Package, Provenance, Uncertainty, emit};
 pub use error::Error;
+pub use filter::Filter;
 pub use output::Output;
 pub use target::{Prefer, Target};

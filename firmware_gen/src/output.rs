@@ -15,6 +15,9 @@ pub struct Output {
     pub per_meter: f64,
 }
 
+/// Output for codes that the function does not accept: `INT32_MIN`.
+pub const OUT_OF_RANGE: i32 = i32::MIN;
+
 /// Every unit that is offered, the finest first.
 pub const OUTPUTS: [Output; 3] = [
     Output::MICROMETERS,

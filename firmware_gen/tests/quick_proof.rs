@@ -33,6 +33,7 @@ struct Drawn {
     bound: f64,
     target: &'static str,
     prefer: &'static str,
+    form: Option<&'static str>,
 }
 
 /// A model, straight or bent, and a device with few enough inputs for brute force.
@@ -81,6 +82,40 @@ fn drawn(draw: &mut Draw, bent: bool) -> Drawn {
         bound: draw.one(&[0.02e-3, 0.1e-3, 0.5e-3, 3e-3]),
         target: draw.one(&["avr", "cortex-m0"]),
         prefer: draw.one(&["size", "speed"]),
+        form: None,
+    }
+}
+
+/// A model that bends down or up, for a form that takes the high bits of the echo code.
+fn drawn_for_bent(draw: &mut Draw) -> Drawn {
+    let mut model = Model::new(Law::parse("cramer").unwrap());
+    if draw.unit() < 0.5 {
+        let walk = [("delay", draw.between(80e-6, 300e-6))];
+        model = model.with("amplitude_walk", &walk).unwrap();
+    } else {
+        let gradient = draw.between(3.0, 8.0) * draw.one(&[-1.0, 1.0]);
+        let gradient = [("gradient", gradient)];
+        model = model.with("temperature_gradient", &gradient).unwrap();
+    }
+    let low = draw.between(-30.0, 20.0);
+    let temperature = Axis::temperature(1.0, low, low + draw.between(8.0, 40.0), 0.0).unwrap();
+    let shortest = draw.between(150.0, 900.0);
+    let longest = shortest + draw.between(9000.0, 16_000.0);
+    let device = Device {
+        echo: Axis::echo(draw.one(&[1.0, 0.9]), shortest, longest).unwrap(),
+        conditions: vec![temperature],
+        output: Output::MICROMETERS,
+    };
+    let at = Conditions::at(20.0).with(Quantity::RelativeHumidity, 0.5);
+    let distance = draw.between(1.5, 3.0);
+    Drawn {
+        model: lower(&model, &device, &at, &[], distance).unwrap(),
+        device,
+        distance,
+        bound: 0.5e-3,
+        target: draw.one(&["avr", "c99", "cortex-m0"]),
+        prefer: draw.one(&["size", "speed"]),
+        form: Some("bent"),
     }
 }
 
@@ -93,7 +128,7 @@ impl Drawn {
             maximum_distance: self.distance,
             maximum_table: 1024,
             target: Target::parse(self.target).unwrap(),
-            form: None,
+            form: self.form,
             prefer: Prefer::parse(self.prefer).unwrap(),
             threads: 2,
         };
@@ -126,8 +161,17 @@ fn thirty_random_designs_on_straight_models_have_the_proof_of_brute_force() {
 #[test]
 fn ten_random_designs_on_bent_models_have_the_proof_of_brute_force() {
     let mut draw = Draw(34);
-    for number in 0..10 {
-        let drawn = drawn(&mut draw, true);
+    compare((0..10).map(|_| drawn(&mut draw, true)));
+}
+
+#[test]
+fn ten_random_designs_with_the_high_bits_of_the_echo_have_the_proof_of_brute_force() {
+    let mut draw = Draw(35);
+    compare((0..10).map(|_| drawn_for_bent(&mut draw)));
+}
+
+fn compare(designs: impl Iterator<Item = Drawn>) {
+    for (number, drawn) in designs.enumerate() {
         let design = drawn.design();
         let [quick, brute] = drawn.proofs(&design);
         assert_eq!(

@@ -11,7 +11,16 @@ from echocal.model import Model
 
 __all__ = ["Choice", "explore"]
 
-FORMS = ("polynomial", "adapted", "square", "factored", "interpolated_table", "segments", "full_table")
+FORMS = (
+    "polynomial",
+    "adapted",
+    "square",
+    "factored",
+    "interpolated_table",
+    "segments",
+    "full_table",
+    "bent",
+)
 TWO_INPUTS = ("additive", "grid")
 TIGHTER = 0.6
 """The next bound, as a share of the error that was proven for the last. Set by hand."""

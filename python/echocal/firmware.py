@@ -51,6 +51,8 @@ def generate(
     accept: Iterable[str] = (),
     assume: Mapping[str, float] | None = None,
     max_table_bytes: int = 1024,
+    median: int | None = None,
+    gate: float | None = None,
     package: str = "c",
     name: str = "echocal",
     uncertainties: Iterable[str] | Mapping[str, float] = (),
@@ -87,8 +89,8 @@ def generate(
         What to save: bytes of flash, or cycles.
     form : str, optional
         The only form to try, ``"polynomial"``, ``"adapted"``, ``"interpolated_table"``, ``"segments"``,
-        ``"square"``, ``"factored"``, ``"full_table"``, ``"additive"`` or ``"grid"``; default: the
-        cheapest of all.
+        ``"square"``, ``"factored"``, ``"full_table"``, ``"bent"``, ``"additive"`` or ``"grid"``; default:
+        the cheapest of all.
     accept : iterable of str, or str
         Effects that may be left out although they change the distance.
     assume : mapping of str to float
@@ -96,6 +98,10 @@ def generate(
         ``{"relative_humidity": 0.5}``; default: the air of the model.
     max_table_bytes : int
         Largest size of all tables together [byte].
+    median : {3, 5, 7}, optional
+        Write a second C function beside the first: the median of this many of the last distances.
+    gate : float, optional
+        Largest distance from that median at which a distance supports it [m].
     package : {"c", "arduino", "platformio", "esphome", "micropython", "esp-idf", "zephyr", "rust"}
         Kind of files: plain C with its self-test, an Arduino library with an example sketch, a
         PlatformIO project with the library in it, an external component for ESPHome, a module for
@@ -173,6 +179,7 @@ def generate(
         "threads": _threads(n_threads),
         "accept": [find_effect(effect).id for effect in ([accept] if isinstance(accept, str) else accept)],
         "assumed": air,
+        "median": _median(median, gate),
         "model_hash": model.hash,
         "diagnosis": diagnosed(model.provenance),
         "standard_uncertainty": stated(model, {**model.air, **assume}, max_distance),
@@ -198,6 +205,18 @@ def generate(
     budget = expanded_uncertainty(model, made.report, {**model.air, **assume}, known)
     found = [silicon.measure(made, core_) for core_ in silicon.cores_of(target)] if measure else []
     return _firmware(core, [one.to_dict() for one in found if one is not None], budget)
+
+
+def _median(window: int | None, gate: float | None) -> tuple[int, float | None] | None:
+    """Return window and gate [m] of the median filter, as the core takes them."""
+    if window is not None:
+        return count("median", window, 255, least=1), None if gate is None else float(gate)
+    if gate is None:
+        return None
+    message = (
+        f"a gate is about a median of the last distances, and none is wanted: give {keyword('median', 5)} too"
+    )
+    raise UsageError(message)
 
 
 def _refuse_name(name: str) -> None:
@@ -311,6 +330,7 @@ def _command(
     """Return the command line that makes the same files again."""
     tick, shortest, longest = request["echo"]
     package, unit = request["package"], request["output_unit"]
+    window, gate = request["median"] or (None, None)
     options: dict[str, Any] = dict(
         target=request["target"],
         **_codes("temperature", request["temperature"]),
@@ -324,6 +344,8 @@ def _command(
         prefer=request["prefer"],
         form=request["form"] or None,
         max_table_bytes=request["maximum_table"],
+        median=window,
+        gate_mm=None if gate is None else _millimeters(gate),
         package=None if package == "c" else package,
         name=None if request["name"] == "echocal" else request["name"],
         accept=request["accept"],

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from echocal import _core
 from echocal.checksums import CHECKSUMS, list_of
 from echocal.errors import UsageError
+from echocal.keywords import keyword
 from echocal.outputs import replace_all
 
 __all__ = ["Firmware"]
@@ -90,6 +91,62 @@ class Firmware:
         ['no echo', 'too near', 'ok', 'too far']
         """
         return self._evaluated(echo, temperature_code, humidity_code)[1]
+
+    def filtered(
+        self, distances: ArrayLike, statuses: ArrayLike
+    ) -> tuple[NDArray[np.int32], NDArray[np.uint8]]:
+        """Return what the median filter of the firmware gives for measurements in order, from a new state.
+
+        Parameters
+        ----------
+        distances : array_like of int, shape (n,)
+            What `outputs` returned, in its `unit`.
+        statuses : array_like of int, shape (n,)
+            What `status` returned.
+
+        Returns
+        -------
+        outputs : ndarray of int32, shape (n,)
+            Medians; the smallest ``int32`` where there is none.
+        statuses : ndarray of uint8, shape (n,)
+            0 where there is a median; 254: too few distances yet; 255: too few of them within the gate.
+            Others: the status of the last measurement without a distance.
+
+        Raises
+        ------
+        UsageError
+            If the firmware has no filter, or the measurements are not integers that the C function takes.
+
+        Examples
+        --------
+        >>> from echocal import Model, firmware
+        >>> made = firmware.generate(Model("cramer"), temperature=(0.5, -20, 60), median=3)
+        >>> [column.tolist() for column in made.filtered([1000, 9000, 1002, -(2**31)], [0, 0, 0, 1])]
+        [[-2147483648, 1000, 1002, 1002], [254, 0, 0, 0]]
+        """
+        columns = []
+        for name, given, kind in (("distances", distances, np.int32), ("statuses", statuses, np.uint8)):
+            column, limits = np.asarray(given), np.iinfo(kind)
+            if column.ndim != 1 or column.dtype.kind not in "iu":
+                message = (
+                    f"{name} has dtype {column.dtype} and shape {column.shape}: give a column of integers"
+                )
+                raise UsageError(message)
+            outside = np.flatnonzero((column < limits.min) | (column > limits.max))
+            if len(outside):
+                row = int(outside[0])
+                message = f"{name} is {column[row]} in row {row}, outside {limits.min} .. {limits.max}"
+                raise UsageError(message)
+            columns.append(np.ascontiguousarray(column, dtype=kind))
+        if len(columns[0]) != len(columns[1]):
+            lengths = f"{len(columns[0])} distances and {len(columns[1])} statuses"
+            message = f"{lengths}: give one of each for a measurement"
+            raise UsageError(message)
+        found = self._twin.filtered(*columns)
+        if found is None:
+            message = f"this firmware has no median filter: generate it with {keyword('median', 5)}"
+            raise UsageError(message)
+        return found
 
     def _evaluated(
         self, echo: ArrayLike, temperature_code: ArrayLike, humidity_code: ArrayLike | None

@@ -40,6 +40,7 @@ CASES = {
     "avr": (Model("cramer"), {"target": "avr", "form": "interpolated_table", "max_error": 0.2e-3}),
     "diagnosed": (Model("cramer", {"fixed_delay": {"delay": 31e-6}}, provenance=ORIGIN), {}),
     "diagnosed_micropython": (Model("cramer", provenance=ORIGIN), {"package": "micropython"}),
+    "filter": (Model("cramer"), {"target": "avr", "median": 5, "gate": 0.3}),
     "table": (Model("cramer"), {"form": "interpolated_table", "max_error": 0.2e-3}),
     "arduino": (Model("cramer"), {"target": "avr", "package": "arduino"}),
     "platformio": (Model("cramer"), {"target": "cortex-m0", "package": "platformio"}),

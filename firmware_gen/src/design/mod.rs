@@ -1,9 +1,11 @@
 //! The search for the form and the format of least cost that meet the error bound.
 
+mod bend;
 mod request;
 mod search;
 #[cfg(test)]
 mod tests;
+mod unreachable;
 
 use crate::error::Error;
 use crate::form;

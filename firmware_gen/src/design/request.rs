@@ -4,6 +4,7 @@ use crate::device::Device;
 use crate::error::Error;
 use crate::form::{Form, Tail};
 use crate::ir::Program;
+pub use crate::output::OUT_OF_RANGE;
 use crate::prove::Proof;
 use crate::reference::Reference;
 use crate::target::{Prefer, Target};
@@ -44,9 +45,6 @@ pub struct Design {
     /// What was proven on every input.
     pub proof: Proof,
 }
-
-/// Output for codes that the function does not accept: `INT32_MIN`.
-pub const OUT_OF_RANGE: i32 = i32::MIN;
 
 impl Design {
     /// What the generated function returns for `inputs`, also for codes out of range.

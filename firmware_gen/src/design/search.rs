@@ -1,8 +1,11 @@
 //! Candidates: every form in every format, refined, screened and proven.
 
-use super::request::{Design, Failure, Listen, Progress, Reachable, Request};
+use super::bend::Bend;
+use super::request::{Design, Listen, Progress, Request};
 use crate::error::Error;
-use crate::form::{Fit, Form, TEMPERATURE_FORMS, TWO_CONDITION_FORMS, Tail, reads_two};
+use crate::form::{
+    BENT_FORMS, Fit, Form, Propose, TEMPERATURE_FORMS, TWO_CONDITION_FORMS, Tail, reads_two,
+};
 use crate::ir::{Builder, Program};
 use crate::prove::{Claim, Proof, Straight, prove};
 use crate::reference::{Line, check_bounded, sample};
@@ -13,7 +16,7 @@ use std::rc::Rc;
 pub(super) struct Candidate<'a> {
     /// What the form must follow.
     fit: Rc<Fit<'a>>,
-    form: Box<dyn Form>,
+    pub(super) form: Box<dyn Form>,
     tail: Tail,
     /// Error that the tail leaves whatever the form does \[unit\].
     rest: f64,
@@ -51,10 +54,12 @@ impl Candidate<'_> {
 }
 
 pub(super) struct Search<'a> {
-    request: Request<'a>,
+    pub(super) request: Request<'a>,
     /// Rows that stand for all until the proof.
     picked: Vec<usize>,
     lines: Vec<Line>,
+    /// How the distances bend, where they do.
+    pub(super) bend: Option<Bend>,
     /// The farthest that a sample of the truth lies from a whole unit \[unit\].
     farthest: f64,
 }
@@ -69,8 +74,6 @@ const STRIDE: usize = 5;
 const CUT_OFF: f64 = 0.9;
 /// Share of the largest rounding error that coincides with the largest error of a form. Below 1 for a margin. Set by hand.
 const TOGETHER: f64 = 0.98;
-/// Most candidates that are screened again if none meets the bound. Set by hand.
-const LIKELIEST: usize = 12;
 /// A refined candidate is screened if its error is at most this share of the bound. Set by hand.
 const SLACK: f64 = 1.02;
 /// Share of a part's own error that remains in the whole form; joint rounding may save the rest. Set by hand.
@@ -91,7 +94,9 @@ impl<'a> Search<'a> {
         let farthest = truths.fold(0.0_f64, |most, (_, truth)| {
             most.max((truth - truth.round()).abs())
         });
+        let bend = Bend::of(&request, &picked, &lines);
         Ok(Self {
+            bend,
             request,
             picked,
             lines,
@@ -100,10 +105,8 @@ impl<'a> Search<'a> {
     }
 
     pub(super) fn candidates(&self) -> Vec<Candidate<'a>> {
-        let tails = self.tails();
         let of_tail = |tail: &Tail| {
-            let fit = Rc::new(self.fit(tail));
-            let cost = self.cost_of(tail);
+            let fit = Rc::new(self.fit(tail, &self.lines));
             let rest = tail.rest(&self.lines);
             // A second condition of one code is checked, and adds nothing.
             let two = self.request.device.varied() == 2 || self.request.form.is_some_and(reads_two);
@@ -112,15 +115,43 @@ impl<'a> Search<'a> {
             } else {
                 TEMPERATURE_FORMS
             };
-            let wanted = |name: &str| self.request.form.is_none_or(|form| form == name);
-            let proposals = forms.iter().filter(|(name, _)| wanted(name));
-            let forms: Vec<_> = proposals.flat_map(|(_, propose)| propose(&fit)).collect();
-            forms
-                .into_iter()
-                .filter_map(|form| self.candidate(form, (*tail, cost, rest), &fit))
-                .collect::<Vec<_>>()
+            self.proposed(forms, (*tail, rest), &fit)
         };
-        tails.iter().flat_map(of_tail).collect()
+        let tails = self.tails(&self.lines);
+        tails.iter().flat_map(of_tail).chain(self.bent()).collect()
+    }
+
+    /// The candidates of forms that bend, where the distances do.
+    fn bent(&self) -> Vec<Candidate<'a>> {
+        let Some(bend) = &self.bend else {
+            return Vec::new();
+        };
+        let of_tail = |tail: &Tail| {
+            let fit = Fit {
+                samples: bend.samples(tail),
+                ..self.fit(tail, &bend.lines)
+            };
+            // The factor makes up for what delay and offset leave: nothing is known of the least.
+            self.proposed(BENT_FORMS, (*tail, 0.0), &Rc::new(fit))
+        };
+        self.tails(&bend.lines).iter().flat_map(of_tail).collect()
+    }
+
+    /// The candidates of some forms in one format.
+    fn proposed(
+        &self,
+        forms: &[(&str, Propose)],
+        (tail, rest): (Tail, f64),
+        fit: &Rc<Fit<'a>>,
+    ) -> Vec<Candidate<'a>> {
+        let cost = self.cost_of(&tail);
+        let wanted = |name: &str| self.request.form.is_none_or(|form| form == name);
+        let proposals = forms.iter().filter(|(name, _)| wanted(name));
+        let forms: Vec<_> = proposals.flat_map(|(_, propose)| propose(fit)).collect();
+        let candidates = forms.into_iter();
+        candidates
+            .filter_map(|form| self.candidate(form, (tail, cost, rest), fit))
+            .collect()
     }
 
     /// What rounding leaves of the bound \[unit\].
@@ -140,31 +171,28 @@ impl<'a> Search<'a> {
     }
 
     /// The bound \[unit\].
-    fn bound(&self) -> f64 {
+    pub(super) fn bound(&self) -> f64 {
         self.request.maximum_error * self.request.device.output.per_meter
     }
 
     /// The formats that could meet the bound; if none can, all of them, so that the best can be reported.
-    fn tails(&self) -> Vec<Tail> {
-        let all = Tail::propose(&self.lines, self.request.device, self.request.target);
+    fn tails(&self, lines: &[Line]) -> Vec<Tail> {
+        let all = Tail::propose(lines, self.request.device, self.request.target);
         let able = |tail: &&Tail| self.rounding(tail) < self.bound();
         let kept: Vec<Tail> = all.iter().filter(able).copied().collect();
         if kept.is_empty() { all } else { kept }
     }
 
-    fn fit(&self, tail: &Tail) -> Fit<'a> {
+    fn fit(&self, tail: &Tail, lines: &[Line]) -> Fit<'a> {
         let unit = f64::from(tail.scale_bits).exp2();
         Fit {
             device: self.request.device,
             picked: self.picked.clone(),
             bound: self.room(tail),
             maximum_table: self.request.maximum_table,
-            target: self.lines.iter().map(|line| tail.target(line)).collect(),
-            weight: self
-                .lines
-                .iter()
-                .map(|line| tail.lever(line) / unit)
-                .collect(),
+            samples: Vec::new(),
+            target: lines.iter().map(|line| tail.target(line)).collect(),
+            weight: lines.iter().map(|line| tail.lever(line) / unit).collect(),
             core: self.request.target,
             lines: Default::default(),
         }
@@ -247,7 +275,7 @@ impl<'a> Search<'a> {
     }
 
     /// Build the program and look at a few echo times of every row; `false` if there is no program.
-    fn look_at(&self, candidate: &mut Candidate<'_>) -> bool {
+    pub(super) fn look_at(&self, candidate: &mut Candidate<'_>) -> bool {
         let rows = self.picked.clone();
         let Some(program) = self.program(candidate.form.as_ref(), &candidate.tail, rows) else {
             return false;
@@ -265,9 +293,14 @@ impl<'a> Search<'a> {
         } else {
             STRIDE
         };
-        let rows = self.picked.iter().zip(&self.lines).step_by(stride);
+        let rows = self
+            .picked
+            .iter()
+            .zip(&self.lines)
+            .enumerate()
+            .step_by(stride);
         let ends = self.request.device.echo.codes;
-        let errors = rows.map(|(row, line)| {
+        let errors = rows.map(|(index, (row, line))| {
             let codes = self.request.device.codes(*row);
             let straight = match Straight::of(program, &codes, (ends.minimum, ends.maximum)) {
                 Err(_) => return f64::INFINITY,
@@ -277,7 +310,8 @@ impl<'a> Search<'a> {
                 Some(straight) => Some(i64::from(straight.output(echo))),
                 None => program.evaluate(&[&[echo], &codes[..]].concat()).ok(),
             };
-            let errors = line.samples().map(|(echo, truth)| {
+            let bent = self.bend.iter().flat_map(|bend| bend.row(index));
+            let errors = line.samples().chain(bent).map(|(echo, truth)| {
                 output(echo).map_or(f64::INFINITY, |output| (output as f64 - truth).abs())
             });
             errors.fold(0.0, f64::max)
@@ -317,81 +351,5 @@ impl<'a> Search<'a> {
             listen(Progress::Checked(inputs))
         })?;
         Ok((program, proof))
-    }
-
-    /// Prove the best of the failed candidates, and state its error.
-    pub(super) fn unreachable(
-        &self,
-        failed: Vec<Candidate<'_>>,
-        listen: Listen<'_>,
-    ) -> Result<Design, Failure> {
-        for candidate in self.likeliest(failed) {
-            let (program, proof) = match self.prove(&candidate, f64::INFINITY, listen) {
-                Ok(found) => found,
-                Err(Error::Proof(_)) => continue,
-                Err(error) => return Err(error.into()),
-            };
-            if proof.bounded.error <= self.bound() {
-                return Ok(candidate.proven(program, proof)); // its estimated error was too large
-            }
-            let reachable = Reachable {
-                asked: self.request.maximum_error,
-                best: proof.bounded.error * self.request.device.output.lsb,
-                maximum_distance: self.request.maximum_distance,
-                form: candidate.form.describe(),
-            };
-            return Err(Failure {
-                error: Error::Bound(reachable.to_string()),
-                best: Some(Box::new(candidate.proven(program, proof))),
-            });
-        }
-        Err(self.no_candidate().into())
-    }
-
-    /// The failed candidates that have a program, the most exact first.
-    fn likeliest<'b>(&self, mut failed: Vec<Candidate<'b>>) -> Vec<Candidate<'b>> {
-        let screened = failed.iter().map(|candidate| candidate.screened);
-        let mut best = screened.fold(f64::INFINITY, f64::min);
-        failed.sort_by(|a, b| a.floor().total_cmp(&b.floor()));
-        for candidate in &mut failed {
-            if candidate.screened == f64::INFINITY
-                && candidate.floor() < best
-                && candidate.least() < best
-                && self.refine(candidate)
-            {
-                best = best.min(candidate.screened);
-            }
-        }
-        // What was never screened is worse than the best, or has larger tables than allowed.
-        failed.retain(|candidate| candidate.screened.is_finite());
-        failed.sort_by(|a, b| a.screened.total_cmp(&b.screened));
-        let mut best = f64::INFINITY;
-        let (mut found, mut rest) = (Vec::new(), Vec::new());
-        for mut candidate in failed {
-            if found.len() >= LIKELIEST || candidate.screened >= best {
-                rest.push(candidate);
-            } else if self.look_at(&mut candidate) {
-                best = best.min(candidate.screened);
-                found.push(candidate);
-            }
-        }
-        found.sort_by(|a, b| a.screened.total_cmp(&b.screened));
-        found.extend(rest); // for where the proof finds fault with the best
-        found
-    }
-
-    /// The error if there is no candidate at all.
-    fn no_candidate(&self) -> Error {
-        let Request {
-            form,
-            target,
-            maximum_table,
-            ..
-        } = self.request;
-        let form = form.map_or("no form".into(), |form| format!("no form '{form}'"));
-        Error::Request(format!(
-            "{form} computes this model for {} in 64-bit integers and {maximum_table} bytes of tables: allow larger tables, a wider bound or every form",
-            target.name
-        ))
     }
 }

@@ -1,6 +1,7 @@
 //! Texts: the header, the source, the golden vectors, the report. Equal input gives equal bytes.
 
 mod c;
+mod filter;
 mod golden;
 mod package;
 mod parts;
@@ -134,7 +135,9 @@ pub fn emit(
         proof => proof_text(design, device, provenance.maximum_error),
         selftest => context! { columns => vectors, count },
     };
-    let mut files = package.render(&context, &provenance.name)?;
+    let filter = provenance.filter.as_ref();
+    let mut files = package.render(&context, &provenance.name, filter.is_some())?;
+    files.extend(filter.map(|filter| filter::golden(filter, &device.output, &provenance.name)));
     let golden = format!("{}_golden.csv", provenance.name);
     files.push((golden, golden::golden(design, device)));
     files.push((

@@ -1,5 +1,6 @@
 //! Packagings: which files a firmware comes as, and the template that writes each.
 
+use super::filter;
 use super::templates::render;
 use crate::device::Axis;
 use crate::error::Error;
@@ -197,7 +198,35 @@ impl Package {
         &self,
         context: &minijinja::Value,
         name: &str,
+        with_filter: bool,
     ) -> Result<Vec<(String, String)>, Error> {
-        render(self.parts, context, name)
+        let mut files = render(self.parts, context, name)?;
+        if with_filter {
+            let parts = filter::parts(self.parts);
+            let parts: Vec<_> = parts
+                .iter()
+                .map(|(path, template)| (&**path, &**template))
+                .collect();
+            files.extend(render(&parts, context, name)?);
+        }
+        Ok(files)
+    }
+
+    /// Refuse a median filter where it is not written.
+    ///
+    /// # Errors
+    /// If the package holds no C of ours that a program of the user calls.
+    pub fn check_filter(&self) -> Result<(), Error> {
+        let way_out = match self.name {
+            "esphome" => "ESPHome has its own: write 'filters:' with '- median:' below the sensor",
+            _ if filter::parts(self.parts).is_empty() => {
+                "it is written in C: choose another package"
+            }
+            _ => return Ok(()),
+        };
+        Err(Error::Request(format!(
+            "the package {} has no median filter; {way_out}",
+            self.name
+        )))
     }
 }

@@ -3,6 +3,7 @@
 use super::reach::Reach;
 use crate::design::Design;
 use crate::device::{Device, Status};
+use crate::filter::Filter;
 use crate::prove::Worst;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
@@ -38,6 +39,9 @@ pub struct Provenance {
     /// Where the accepted codes leave the domain of the law, a line each.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub outside_domain: Vec<String>,
+    /// The median filter that is written beside the function.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub filter: Option<Filter>,
     /// The assumed values of conditions that the device does not measure, a line each.
     pub assumptions: Vec<String>,
     /// The effects and conditions behind them: effect, quantity, whether a value is assumed, error left \[m\].

@@ -14,6 +14,8 @@ macro_rules! templates {
 const TEMPLATES: &[(&str, &str)] = templates![
     "c/echocal_correction.h",
     "c/echocal_correction.c",
+    "c/echocal_filter.h",
+    "c/echocal_filter.c",
     "c/echocal_selftest.h",
     "c/echocal_selftest.c",
     "c/echocal_selftest_main.c",

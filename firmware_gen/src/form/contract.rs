@@ -12,6 +12,17 @@ pub type Lines = Vec<(Vec<f64>, f64)>;
 /// A function that proposes the candidates of one form for a [`Fit`].
 pub type Propose = fn(&Fit<'_>) -> Vec<Box<dyn Form>>;
 
+/// The speed factor that brings one echo code to its distance.
+#[derive(Clone, Copy, Debug)]
+pub struct Sample {
+    /// Echo code.
+    pub echo: i64,
+    /// The factor, in units of the last binary place of the format.
+    pub factor: f64,
+    /// Error of the distance there \[unit\], per unit of the factor.
+    pub weight: f64,
+}
+
 /// The speed factors that a form approximates: one for each combination of conditions.
 #[derive(Debug)]
 pub struct Fit<'a> {
@@ -23,6 +34,8 @@ pub struct Fit<'a> {
     pub target: Vec<f64>,
     /// Error of the distance at the far end of the bounded domain \[unit\], per unit of `target`.
     pub weight: Vec<f64>,
+    /// Samples of each combination of conditions where the distance bends; empty where one factor serves all echo codes.
+    pub samples: Vec<Vec<Sample>>,
     /// The error to stay below \[unit\].
     pub bound: f64,
     /// Largest tables allowed, together [byte].

@@ -2,10 +2,11 @@
 //!
 //! A form proposes candidates for a [`Fit`], each of which builds the same steps into any
 //! [`Builder`](crate::ir::Builder). A new form is a new file and one line: in [`TEMPERATURE_FORMS`], or in
-//! [`TWO_CONDITION_FORMS`].
+//! [`TWO_CONDITION_FORMS`], or [`BENT_FORMS`].
 
 mod adapted;
 mod additive;
+mod bent;
 mod contract;
 mod factored;
 mod full_table;
@@ -19,7 +20,7 @@ mod steps;
 mod tail;
 mod temperature;
 
-pub use contract::{Fit, Form, Propose, factors};
+pub use contract::{Fit, Form, Propose, Sample, factors};
 pub use tail::Tail;
 pub use temperature::FORMS as TEMPERATURE_FORMS;
 
@@ -29,9 +30,19 @@ pub const TWO_CONDITION_FORMS: &[(&str, Propose)] = &[
     (grid::NAME, grid::propose),
 ];
 
+/// Every form of the temperature and the echo time, for distances that bend, with its name.
+pub const BENT_FORMS: &[(&str, Propose)] = &[(bent::NAME, bent::propose)];
+
 /// Every form with its name.
 pub fn all() -> impl Iterator<Item = &'static (&'static str, Propose)> {
-    TEMPERATURE_FORMS.iter().chain(TWO_CONDITION_FORMS)
+    let forms = [TEMPERATURE_FORMS, TWO_CONDITION_FORMS, BENT_FORMS];
+    forms.into_iter().flatten()
+}
+
+/// Whether the form of this name is for distances that bend.
+#[must_use]
+pub fn is_bent(name: &str) -> bool {
+    BENT_FORMS.iter().any(|(form, _)| *form == name)
 }
 
 /// Whether the form of this name reads two conditions.

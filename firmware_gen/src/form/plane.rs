@@ -91,6 +91,7 @@ impl<'a> Plane<'a> {
             picked: (0..self.device.rows()).collect(),
             target,
             weight,
+            samples: Vec::new(),
             bound,
             maximum_table: self.fit.maximum_table,
             core: self.fit.core,

@@ -49,8 +49,7 @@ impl<'a> Checker<'a> {
             pairs.for_each(|(lane, found)| *lane = *found as i32);
             let outputs = &lanes[..truth.len()];
             if let Some(fall) = falls(before, outputs) {
-                let what = "the output falls as the echo time grows, at";
-                return Err(Error::Proof(fault.at(first + fall as i64, what)));
+                return Err(fault.falls(first + fall as i64));
             }
             before = outputs[outputs.len() - 1];
             hash.extend(outputs);

@@ -9,7 +9,8 @@ mod straight;
 
 use crate::error::Error;
 use crate::hash::Hash;
-use crate::ir::Program;
+use crate::ir::{Operation, Program, Value};
+use crate::types::Range;
 use checker::Checker;
 use crew::each;
 use quick::{Quick, Records};
@@ -42,25 +43,58 @@ impl Prover<'_> {
 
     fn quick(&self, row: usize) -> Result<Option<(Row, Hash)>, Error> {
         let device = self.claim.device;
-        let ends = (device.echo.codes.minimum, device.echo.codes.maximum);
-        let straight = Straight::of(self.program, &device.codes(row), ends)
-            .map_err(|overflow| Fault { device, row }.overflow(&overflow, ends.0))?;
-        let Some(straight) = straight else {
-            return Ok(None);
-        };
-        let conditions = device.values(row);
-        let quick = Quick {
-            claim: self.claim,
-            times: self.times,
-            records: self.records,
-            straight,
-            shape: self.claim.reference.shape(&conditions),
-            row,
-            conditions,
-        };
-        let hash = |row| (row, straight.hash(device.echo.codes));
-        Ok(quick.check()?.map(hash))
+        let fault = Fault { device, row };
+        let (codes, conditions) = (device.codes(row), device.values(row));
+        let shape = self.claim.reference.shape(&conditions);
+        let (mut whole, mut hash) = (Row::new(row, self.claim), Hash::default());
+        let mut before = i64::from(i32::MIN);
+        for part in parts(self.program, device.echo.codes) {
+            let ends = (part.minimum, part.maximum);
+            let straight = Straight::of(self.program, &codes, ends)
+                .map_err(|overflow| fault.overflow(&overflow, ends.0))?;
+            let Some(straight) = straight else {
+                return Ok(None);
+            };
+            if i64::from(straight.output(ends.0)) < before {
+                return Err(fault.falls(ends.0));
+            }
+            before = straight.output(ends.1).into();
+            let quick = Quick {
+                claim: self.claim,
+                times: self.times,
+                records: self.records,
+                straight,
+                codes: part,
+                shape: &shape,
+                row,
+                conditions: &conditions,
+            };
+            let Some(found) = quick.check()? else {
+                return Ok(None);
+            };
+            whole.join(&found);
+            hash = hash.then(straight.hash(part));
+        }
+        Ok(Some((whole, hash)))
     }
+}
+
+/// The echo codes in parts, in each of which what the program takes of the high bits of the code is constant.
+fn parts(program: &Program, codes: Range) -> impl Iterator<Item = Range> {
+    let echo = |value: Value| matches!(program.node(value).operation, Operation::Input(0));
+    let taken = program
+        .nodes
+        .iter()
+        .filter_map(|node| match node.operation {
+            Operation::ShiftRight(value, bits) if echo(value) => Some(bits),
+            _ => None,
+        });
+    let width = taken.min().map_or(i64::MAX, |bits| 1 << bits);
+    let first = codes.minimum / width;
+    (first..=codes.maximum / width).map(move |part| Range {
+        minimum: codes.minimum.max(part.saturating_mul(width)),
+        maximum: codes.maximum.min((part + 1).saturating_mul(width) - 1),
+    })
 }
 
 /// Check `program` on every input. `progress` receives the number of checked inputs; it returns `false` to stop.

@@ -12,6 +12,7 @@ use super::straight::Straight;
 use crate::error::Error;
 use crate::jet::Jet;
 use crate::reference::Shape;
+use crate::types::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Added to every bound \[unit\]: the rounding of `f64` at distances of 2^31 units, several times.
@@ -63,9 +64,11 @@ pub(super) struct Quick<'a> {
     pub(super) times: &'a Times,
     pub(super) records: &'a Records,
     pub(super) straight: Straight,
-    pub(super) shape: Shape<'a>,
+    /// The echo codes that it holds for.
+    pub(super) codes: Range,
+    pub(super) shape: &'a Shape<'a>,
     pub(super) row: usize,
-    pub(super) conditions: Vec<f64>,
+    pub(super) conditions: &'a [f64],
 }
 
 /// Why a row has no result.
@@ -89,7 +92,7 @@ impl Quick<'_> {
     }
 
     fn bounded(&self) -> Result<Row, Stop> {
-        let codes = self.claim.device.echo.codes;
+        let codes = self.codes;
         let mut result = Row::new(self.row, self.claim);
         let ends = (self.point(codes.minimum)?, self.point(codes.maximum)?);
         result.within = self.within(ends, result.far)?;
@@ -108,7 +111,7 @@ impl Quick<'_> {
     }
 
     fn truths(&self, from: i64, truth: &mut [f64]) {
-        if let Shape::Line { slope, start } = self.shape {
+        if let Shape::Line { slope, start } = *self.shape {
             let per_meter = self.claim.device.output.per_meter;
             for (echo, truth) in (from..).zip(truth) {
                 let time = self.times.at(self.claim.device, echo);
@@ -118,7 +121,7 @@ impl Quick<'_> {
                 *truth = distance * per_meter;
             }
         } else {
-            self.times.truths(self.claim, &self.conditions, from, truth);
+            self.times.truths(self.claim, self.conditions, from, truth);
         }
     }
 
@@ -167,7 +170,7 @@ impl Quick<'_> {
 
     /// What the error between two echo codes cannot exceed \[unit\]; `None` where the model may fall.
     fn most(&self, near: Point, far: Point) -> Option<f64> {
-        let sag = match &self.shape {
+        let sag = match self.shape {
             Shape::Curve(time) => self.sag(time, near, far)?,
             _ => 0.0,
         };

@@ -68,6 +68,13 @@ impl Row {
         }
     }
 
+    /// Take in what was found for other echo codes of the same conditions.
+    pub(super) fn join(&mut self, part: &Self) {
+        self.bounded = self.bounded.or(part.bounded);
+        self.overall = self.overall.or(part.overall);
+        self.within += part.within;
+    }
+
     /// Take in the errors of one block of outputs and truths \[unit\] that starts at the echo code `first`; `false` if a
     /// truth is not finite.
     pub(super) fn take(&mut self, outputs: &[i32], truth: &[f64], first: i64) -> bool {
@@ -113,6 +120,10 @@ impl Fault<'_> {
 
     pub(super) fn overflow(&self, overflow: &Overflow, echo: i64) -> Error {
         Error::Proof(self.at(echo, &format!("{overflow}, near")))
+    }
+
+    pub(super) fn falls(&self, echo: i64) -> Error {
+        Error::Proof(self.at(echo, "the output falls as the echo time grows, at"))
     }
 
     pub(super) fn no_distance(&self, echo: i64) -> Error {

@@ -119,7 +119,10 @@ impl Straight {
                     _ => return None,
                 })
             };
-            let found = line().filter(|line| line.slope >= 0);
+            let rising = line().filter(|line| line.slope >= 0);
+            // What rises and is the same at both ends is the same between them.
+            let same = low[index] == high[index];
+            let found = rising.map(|line| if same { Self::fixed(low[index]) } else { line });
             // The lines must say what the twin says, or they are not the program's.
             let agrees = found.is_none_or(|line| {
                 line.at(first) == Some(low[index]) && line.at(last) == Some(high[index])

@@ -90,6 +90,14 @@ def command(
         option("Value of a condition that the device does not measure.", metavar="NAME=VALUE"),
     ] = None,
     max_table_bytes: Annotated[int, option("Largest size of all tables together [byte].")] = 1024,
+    median: Annotated[
+        int | None,
+        option("Write a median filter beside the function, of the last 3, 5 or 7 distances.", metavar="N"),
+    ] = None,
+    gate_mm: Annotated[
+        float | None,
+        option("Largest distance from the median at which a distance supports it [mm]."),
+    ] = None,
     package: Annotated[
         str,
         option("Kind of files: c, arduino, platformio, esphome, micropython, esp-idf, zephyr or rust."),
@@ -146,7 +154,9 @@ def command(
         message = "firmware needs a model: give MODEL.json"
         raise UsageError(message)
     if explore:
-        _refuse_one(prefer, form, bool(measure or uncertainties or per_unit), package, name, page)
+        filtered = median is not None or gate_mm is not None
+        single = bool(measure or uncertainties or per_unit or filtered)
+        _refuse_one(prefer, form, single, package, name, page)
     _refuse_outputs(model, json, out, _explore.FILES if explore else listed(out), page, force=force)
     request: dict[str, Any] = {
         "temperature": TemperatureCodes(
@@ -170,6 +180,7 @@ def command(
         else:
             one: dict[str, Any] = {"form": form, "package": package, "name": name, "measure": measure}
             one["uncertainties"] = uncertainties or ()
+            one["median"], one["gate"] = median, None if gate_mm is None else gate_mm * 1e-3
             saved = prefer or "size"
             one |= {"prefer": saved, "progress": _proving(tell)}
             made = (
@@ -204,7 +215,8 @@ def _refuse_one(
     if prefer or form or measure or package != "c" or name != "echocal" or page is not None:
         message = (
             "--explore tries every form, for size and for speed, and writes no package: leave out --prefer, "
-            "--form, --measure, --uncertainty, --per-unit, --package, --name and --report"
+            "--form, --measure, --uncertainty, --per-unit, --median, --gate-mm, --package, --name "
+            "and --report"
         )
         raise UsageError(message)
 
@@ -339,6 +351,11 @@ def _summary(made: Firmware, files: list[Path], notes: list[str]) -> Table:
         )
     if isinstance(made, UnitFirmware):
         _add_units(table, made)
+    filter_ = report["provenance"].get("filter")
+    if filter_:
+        window, gate = filter_["window"], filter_["gate"]
+        agree = f"; {window // 2 + 1} of them within {gate} {made.unit}" if gate else ""
+        table.add_row("filter", f"median of the last {window} distances{agree}")
     for found in report["measured"]:
         table.add_row("measured", _cost(found))
     for line in report["assumptions"]:

@@ -5,8 +5,8 @@ use echocal_firmware::emit::unit_files;
 use echocal_firmware::lower::{Lowered, Omission, describe, lower, lower_without_echo};
 use echocal_firmware::target;
 use echocal_firmware::{
-    Axis, Design, Device, Error, Measurement, Output, Package, Prefer, Progress, Provenance,
-    Request, Target, Uncertainty, design, emit,
+    Axis, Design, Device, Error, Filter, Measurement, Output, Package, Prefer, Progress,
+    Provenance, Request, Target, Uncertainty, design, emit,
 };
 use numpy::PyArray1;
 use pyo3::exceptions::PyValueError;
@@ -64,6 +64,24 @@ impl CoreFirmware {
     fn steps(&self) -> Vec<(&'static str, u32)> {
         let counts = target::features(&self.design.program);
         target::FEATURES.into_iter().zip(counts).collect()
+    }
+
+    /// Outputs and statuses of the median filter for measurements in order; none if there is no filter.
+    fn filtered<'py>(
+        &self,
+        py: Python<'py>,
+        distances: Column<'py, i32>,
+        statuses: Column<'py, u8>,
+    ) -> PyResult<Option<(Outputs<'py>, Statuses<'py>)>> {
+        let lengths = [("distances", distances.len()), ("statuses", statuses.len())];
+        let rows = same_length(&lengths)?;
+        let Some(filter) = &self.provenance.filter else {
+            return Ok(None);
+        };
+        let found = filter.run((0..rows).map(|row| (distances[row], statuses[row])));
+        let outputs = PyArray1::from_iter(py, found.iter().map(|(output, _)| *output));
+        let statuses = PyArray1::from_iter(py, found.iter().map(|(_, status)| *status));
+        Ok(Some((outputs, statuses)))
     }
 
     /// Outputs and statuses of the twin for columns of codes of equal length, the echo time first.
@@ -166,6 +184,8 @@ pub struct FirmwareRequest {
     threads: usize,
     accept: Vec<String>,
     assumed: [f64; Quantity::COUNT],
+    /// Window and gate \[m\] of a median filter.
+    median: Option<(usize, Option<f64>)>,
     name: String,
     command: String,
     model_hash: String,
@@ -301,6 +321,11 @@ fn meet(
     let package = Package::parse(&request.package)?; // before the proof, which may take a minute
     let device = device(request)?;
     package.check(&device.echo)?;
+    let filter = request.median.map(|(window, gate)| {
+        package.check_filter()?;
+        Filter::new(window, gate, &device.output)
+    });
+    let filter = filter.transpose()?;
     let lowered = lowered(model, &device, request)?;
     let search = Request {
         reference: &lowered,
@@ -334,6 +359,7 @@ fn meet(
         standard_uncertainty: request.standard_uncertainty.clone(),
         fitted: request.fitted.clone(),
         outside_domain: request.outside_domain.clone(),
+        filter,
         assumptions: lowered.omissions.iter().map(ToString::to_string).collect(),
         omissions: lowered.omissions.iter().map(Omission::to_json).collect(),
         maximum_error: request.maximum_error,

@@ -3,6 +3,7 @@
 //! Whatever the effects are, the model at fixed conditions is close to `distance = factor * (echo - delay) - offset`;
 //! `delay` and `offset` are fitted to samples of the model. The names of its effects are not read.
 
+use super::contract::Sample;
 use super::steps::plus;
 use crate::device::Device;
 use crate::ir::{Builder, Value};
@@ -157,6 +158,21 @@ impl Tail {
         // Rounding down takes half a unit off on average; the factor gives it back at the far end.
         let cut_off = if self.rounded { 0.0 } else { 0.5 };
         (line.end() + self.offset + cut_off) / self.lever(line)
+    }
+
+    /// The factor, in units of the last binary place, that brings an echo code to its distance \[unit\], and the error
+    /// there per such unit \[unit\]; less the bit that is left out.
+    #[must_use]
+    pub fn sample(&self, echo: i64, distance: f64) -> Sample {
+        let unit = f64::from(self.scale_bits).exp2();
+        let cut_off = if self.rounded { 0.0 } else { 0.5 };
+        let lever = (echo as f64 - self.codes()).max(1.0);
+        let leading = if self.leading { LEADING as f64 } else { 0.0 };
+        Sample {
+            echo,
+            factor: ((distance + self.offset + cut_off) / lever).mul_add(unit, -leading),
+            weight: lever / unit,
+        }
     }
 
     /// What a form must give for `line`: its factor in units of the last binary place, less the bit that is left out.

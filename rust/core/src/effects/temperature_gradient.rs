@@ -1,6 +1,6 @@
 //! Air that is warmer further away.
 
-use super::{Effect, Facts, Firmware, ParameterFacts};
+use super::{Effect, Facts, ParameterFacts};
 use crate::chain::{Chain, Stage};
 use crate::conditions::Quantity;
 use crate::scalar::Scalar;
@@ -27,9 +27,6 @@ impl Effect for TemperatureGradient {
         bends: true,
         domain: "a gradient that is even along the path",
         check: "a second thermometer at the target, or several distances",
-        firmware: Firmware::Refused(
-            "its error grows with the square of the echo time; the generator's forms are straight in it",
-        ),
         ..Facts::USUAL
     };
 
