@@ -22,6 +22,7 @@ from echocal.cli._terminal import visible
 from echocal.errors import UsageError
 from echocal.observations.layout import Layout
 from echocal.watch import Event, Fleet, Reference, State, WatchSettings, models_of
+from echocal.watch.home_assistant import HomeAssistant
 from echocal.watch.mqtt import Broker
 from echocal.watch.output import Growing, Stream, Table
 from echocal.watch.run import SCHEMA, Run
@@ -106,6 +107,12 @@ def command(
             "beside --out or --state.",
         ),
     ] = None,
+    home_assistant: Annotated[
+        str | None,
+        typer.Option(
+            metavar="URL", help="Broker of Home Assistant, mqtt://HOST: it finds the sensors there by itself."
+        ),
+    ] = None,
     mark_rows: Annotated[
         bool,
         typer.Option(
@@ -164,6 +171,9 @@ def command(
         rows = _source(source, kept, poll, client, reading.layout, once=once)
         if isinstance(rows, Broker):
             at_end.callback(rows.close)
+        home = None if home_assistant is None else HomeAssistant(home_assistant, client, by)
+        if home is not None:
+            at_end.callback(home.close)
         run = Run(
             fleet,
             rows,
@@ -172,6 +182,7 @@ def command(
             None if letters is None else Growing(Path(letters), kept, append=True),
             lambda news: _tell(news, json, quiet or out == "-"),
             lambda text: _say(f"note: {text}", quiet),
+            None if home is None else home.publish,
         )
         kept.commit()
         _until_it_ends(run, rows, quiet)

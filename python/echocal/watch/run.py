@@ -42,6 +42,8 @@ class Run:
         Shows events.
     say : callable
         Shows a note.
+    pass_on : callable or None
+        Takes the corrected rows and the events when they are committed.
     """
 
     fleet: Fleet
@@ -51,6 +53,7 @@ class Run:
     letters: Growing | None
     tell: Callable[[Sequence[Event]], None]
     say: Callable[[str], None]
+    pass_on: Callable[[Sequence[Row], Sequence[Event]], None] | None = None
     changes: int = 0
     aside: int = 0
     _counts: tuple[int, int, int] = (0, 0, 0)
@@ -119,6 +122,8 @@ class Run:
         self.fleet.state.commit()
         self._counts = self.fleet.rows, self.fleet.corrected, self.fleet.ignored
         self._show(news, aside)
+        if self.pass_on is not None:
+            self.pass_on(corrected, news)
 
     def _write(self, corrected: list[Row], news: list[Event], aside: list[Unread]) -> None:
         state = self.fleet.state
@@ -171,6 +176,8 @@ class Run:
             corrected, news = self.fleet.finish()
             self._write(corrected, news, [])
             self._show(news, [])
+            if self.pass_on is not None:
+                self.pass_on(corrected, news)
         elif isinstance(self.table, Table):
             self.table.write(self.fleet.so_far())
             self.table.flush()
