@@ -42,7 +42,7 @@ def test_no_test_is_left_out_for_want_of_a_package() -> None:
     extras = project["optional-dependencies"]
     named = " ".join([*project["dependencies"], *extras["test"], *extras["bench"]])
     under_others = {"paho": "paho-mqtt", "sklearn": "scikit-learn", "cloudpickle": "distributed"}
-    under_others["python_calamine"] = "python-calamine"
+    under_others |= {"python_calamine": "python-calamine", "serial": "pyserial"}
     for path in (ROOT / "tests").rglob("test_*.py"):
         for name in re.findall(r"importorskip\(\s*\"(\w+)", path.read_text()):
             assert name == "fcntl" or re.search(rf"\b{under_others.get(name, name)}\b", named), (

@@ -28,6 +28,7 @@ from echocal.observations.readers import (
     messages,
     mqtt_lines,
     nmea,
+    recordings,
     repeats,
     ros,
     serial_lines,
@@ -77,6 +78,8 @@ def read(file: TextFile, sheet: str | None = None) -> pd.DataFrame | None:
     DataError
         If it cannot be read.
     """
+    if file.recording:
+        return recordings.read(file.path, file.recording)
     if file.is_spreadsheet:
         return spreadsheet.read(file.path, sheet, file.layout.skip_lines)
     form = _form(file)
@@ -105,8 +108,8 @@ def _lines(text: TextIO, form: ModuleType) -> Iterator[str]:
 
 def format_of(file: TextFile) -> str:
     """What a person calls the format of a log that `echocal correct` cannot keep line by line; else empty."""
-    if file.is_spreadsheet:
-        return spreadsheet.NAME
+    if file.is_spreadsheet or file.recording:
+        return file.recording or spreadsheet.NAME
     form = _form(file)
     return "" if form is None else str(form.NAME)
 
