@@ -114,6 +114,25 @@ def test_the_shell_completes(shell: str) -> None:
     assert script.strip()
 
 
+@pytest.mark.parametrize(
+    ("words", "found"),
+    [
+        ("diagnose log.csv --base cra", {"cramer"}),
+        ("log.csv --base cra", {"cramer"}),
+        ("bench --base cra", {"cramer"}),
+        ("sweep --law cra", {"cramer"}),
+        ("verify model.json --law cra", {"cramer"}),
+        ("watch log.csv --effect fixed_del", {"fixed_delay:delay="}),
+        ("calibrate log.csv --fit fixed_del", {"fixed_delay.delay"}),
+        ("firmware model.json --target cortex-m0", {"cortex-m0"}),
+        ("effects show crosst", {"crosstalk"}),
+    ],
+)
+def test_values_are_completed(words: str, found: set[str]) -> None:
+    place = {"COMP_WORDS": f"echocal {words}", "COMP_CWORD": str(len(words.split()))}
+    assert set(output(str(BIN / "echocal"), _ECHOCAL_COMPLETE="complete_bash", **place).split()) == found
+
+
 def test_commands_are_completed() -> None:
     words = output(
         str(BIN / "echocal"), _ECHOCAL_COMPLETE="complete_bash", COMP_WORDS="echocal di", COMP_CWORD="1"

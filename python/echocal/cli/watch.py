@@ -10,7 +10,7 @@ from typing import Annotated, Any
 import typer
 
 from echocal._interrupt import after_imports
-from echocal.cli._models import Effects, Uncertain, model_of
+from echocal.cli._models import Effects, Law, Uncertain, model_of
 from echocal.cli._outputs import Force, Output, check_outputs
 from echocal.cli._tables import (
     AS_IT_IS,
@@ -49,9 +49,7 @@ def command(
     by: Annotated[
         str | None, typer.Option(metavar="COLUMN", help="Column with the id of the sensor.")
     ] = None,
-    law: Annotated[
-        str | None, typer.Option(help="Law or expression, in place of a model; default cramer.")
-    ] = None,
+    law: Law = None,
     effect: Effects = None,
     reference_distance: Annotated[
         float | None, typer.Option(metavar="M", help="Distance of the target in every row, in m.")
