@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
+from markdown.extensions.toc import slugify
 from mkdocs.config.defaults import MkDocsConfig
 from mkdocs.structure.files import File, Files
 
@@ -120,6 +121,15 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
         "# Gallery",
         "",
         "Each figure is drawn by the command below it, from tables of the repository.",
+        "",
+    ]
+    pictures = (f"[![](gallery/{one.file})<br>{one.title}](#{slugify(one.title, '-')})" for one in FIGURES)
+    lines += [
+        '<div class="thumbnails" markdown>',
+        "",
+        *(f"- {picture}" for picture in pictures),
+        "",
+        "</div>",
         "",
     ]
     for figure in FIGURES:

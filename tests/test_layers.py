@@ -29,7 +29,7 @@ LAYERS = (
     {"charts"},
     {"plots", "report", "firmware"},
     {"study", "explore", "per_unit", "emulation", "fleet", "watch", "accessor", "estimator"},
-    {"pages", "_accessors", "serve"},
+    {"pages", "_accessors", "serve", "bench"},
     {"cli"},
 )
 ROOMS_OF_DIAGNOSE = [

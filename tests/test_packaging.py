@@ -42,13 +42,41 @@ def test_no_test_is_left_out_for_want_of_a_package() -> None:
     extras = project["optional-dependencies"]
     named = " ".join([*project["dependencies"], *extras["test"], *extras["bench"]])
     under_others = {"paho": "paho-mqtt", "sklearn": "scikit-learn", "cloudpickle": "distributed"}
-    under_others["python_calamine"] = "python-calamine"
+    under_others |= {
+        "python_calamine": "python-calamine",
+        "serial": "pyserial",
+        "rattler_build": "py-rattler-build",
+    }
     for path in (ROOT / "tests").rglob("test_*.py"):
         for name in re.findall(r"importorskip\(\s*\"(\w+)", path.read_text()):
             assert name == "fcntl" or re.search(rf"\b{under_others.get(name, name)}\b", named), (
                 path.name,
                 name,
             )
+
+
+def test_the_conda_recipe_is_rendered_and_needs_what_the_wheel_needs() -> None:
+    rattler = pytest.importorskip("rattler_build")
+    recipe = rattler.Stage0Recipe.from_file(str(ROOT / "recipe/recipe.yaml"))
+    compilers = {"c_compiler": ["gcc"], "rust_compiler": ["rust"], "c_stdlib": ["sysroot"]}
+    (rendered,) = recipe.render(rattler.VariantConfig(compilers | {"python": ["3.11.*"]}))
+    made = rendered.recipe.to_dict()
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())
+    version = tomllib.loads((ROOT / "Cargo.toml").read_text())["workspace"]["package"]["version"]
+    assert made["package"] == {"name": "echocal", "version": version}
+    needs = [f"python{project['project']['requires-python']}", *project["project"]["dependencies"]]
+    plain = [
+        one.replace(" ", "").replace("matplotlib-base", "matplotlib") for one in made["requirements"]["run"]
+    ]
+    assert sorted(plain) == sorted(needs)
+    builds = [one.replace(" ", "") for one in made["requirements"]["host"]]
+    assert set(project["build-system"]["requires"]) <= set(builds)
+    assert made["about"]["summary"] == project["project"]["description"]
+    for file in made["about"]["license_file"]:
+        assert (ROOT / file).is_file()
+    text = (ROOT / "recipe/recipe.yaml").read_text()
+    with pytest.raises(rattler.RecipeParseError):
+        rattler.Stage0Recipe.from_yaml(text.replace("  run:", "  runs:"))
 
 
 def test_workflows_are_safe() -> None:
@@ -84,6 +112,25 @@ def test_the_shell_completes(shell: str) -> None:
     script = output(str(BIN / "echocal"), "--show-completion", shell)
     assert "_ECHOCAL_COMPLETE" in script
     assert script.strip()
+
+
+@pytest.mark.parametrize(
+    ("words", "found"),
+    [
+        ("diagnose log.csv --base cra", {"cramer"}),
+        ("log.csv --base cra", {"cramer"}),
+        ("bench --base cra", {"cramer"}),
+        ("sweep --law cra", {"cramer"}),
+        ("verify model.json --law cra", {"cramer"}),
+        ("watch log.csv --effect fixed_del", {"fixed_delay:delay="}),
+        ("calibrate log.csv --fit fixed_del", {"fixed_delay.delay"}),
+        ("firmware model.json --target cortex-m0", {"cortex-m0"}),
+        ("effects show crosst", {"crosstalk"}),
+    ],
+)
+def test_values_are_completed(words: str, found: set[str]) -> None:
+    place = {"COMP_WORDS": f"echocal {words}", "COMP_CWORD": str(len(words.split()))}
+    assert set(output(str(BIN / "echocal"), _ECHOCAL_COMPLETE="complete_bash", **place).split()) == found
 
 
 def test_commands_are_completed() -> None:

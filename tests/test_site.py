@@ -4,10 +4,17 @@ import os
 import re
 import subprocess
 import sys
+import threading
+from collections.abc import Iterator
+from contextlib import ExitStack
+from functools import partial
 from html.parser import HTMLParser
+from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
+from typing import Any
 
 import pytest
+from browsed import chromium
 
 import echocal
 
@@ -79,6 +86,71 @@ def test_no_page_loads_anything_from_another_host(site: Path) -> None:
 def test_every_page_of_the_folder_is_in_the_site(site: Path) -> None:
     for page in DOCS.rglob("*.md"):
         assert (site / page.relative_to(DOCS)).with_suffix(".html").is_file(), page
+
+
+@pytest.fixture
+def page(site: Path) -> Iterator[Any]:
+    """A page of a browser that is told what it asks for and what goes wrong."""
+    playwright = pytest.importorskip("playwright.sync_api")
+    with playwright.sync_playwright() as started:
+        browser = started.chromium.launch(executable_path=chromium(), args=["--no-sandbox"])
+        page = browser.new_page(viewport={"width": 1200, "height": 900})
+        page.set_default_timeout(60_000)
+        page.said, page.asked = [], []
+        page.on("console", lambda message: page.said.append(message.text))
+        page.on("pageerror", lambda error: page.said.append(str(error)))
+        page.on("request", lambda request: page.asked.append(request.url))
+        yield page
+        browser.close()
+
+
+@pytest.mark.parametrize("served", [False, True], ids=["as files", "from a server"])
+def test_the_search_finds_a_page(site: Path, page: Any, served: bool) -> None:
+    with ExitStack() as at_end:
+        address = site.as_uri()
+        if served:
+            handler = partial(Silent, directory=str(site))
+            server = at_end.enter_context(ThreadingHTTPServer(("127.0.0.1", 0), handler))
+            threading.Thread(target=server.serve_forever, daemon=True).start()
+            at_end.callback(server.shutdown)
+            address = f"http://127.0.0.1:{server.server_port}"
+        page.goto(f"{address}/index.html")
+        page.locator("[data-md-component=search-query]").click()
+        page.keyboard.type("crosstalk")
+        first = page.locator(".md-search-result__link").first
+        first.wait_for()
+        assert first.get_attribute("href").partition("?")[0] == f"{address}/effects.html"
+        assert not [url for url in page.asked if not url.startswith(address)]
+        assert not page.said
+
+
+class Silent(SimpleHTTPRequestHandler):
+    def log_message(self, *_: object) -> None:
+        """Say nothing of requests."""
+
+
+def test_the_gallery_begins_with_thumbnails_side_by_side(site: Path, page: Any) -> None:
+    page.goto((site / "gallery.html").as_uri())
+    pictures = page.locator(".thumbnails img").all()
+    assert len(pictures) == page.locator("article h2").count() > 0
+    boxes = [picture.bounding_box() for picture in pictures]
+    assert len({box["y"] for box in boxes[:4]}) == 1, "a row of them"
+    assert all(picture.evaluate("one => one.naturalWidth > 0") for picture in pictures)
+    anchors = Loaded(site / "gallery.html").anchors
+    for link in page.locator(".thumbnails a").all():
+        assert link.get_attribute("href").removeprefix("#") in anchors
+
+
+def test_signatures_are_wrapped(site: Path, page: Any) -> None:
+    """At the width of a phone, too, no signature goes beyond its box."""
+    page.set_viewport_size({"width": 390, "height": 844})
+    page.goto((site / "reference" / "python.html").as_uri())
+    signatures = page.locator(".doc-signature code")
+    assert signatures.count() > len(echocal.__all__) / 2
+    assert (
+        signatures.evaluate_all("all => all.filter(one => one.scrollWidth > one.clientWidth + 1).length") == 0
+    )
+    assert signatures.first.inner_text().count("\n") > 5, "an argument a line"
 
 
 def test_equations_are_mathematics(site: Path) -> None:

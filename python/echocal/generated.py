@@ -124,7 +124,7 @@ class Firmware:
         >>> [column.tolist() for column in made.filtered([1000, 9000, 1002, -(2**31)], [0, 0, 0, 1])]
         [[-2147483648, 1000, 1002, 1002], [254, 0, 0, 0]]
         """
-        columns = []
+        columns: list[Any] = []
         for name, given, kind in (("distances", distances, np.int32), ("statuses", statuses, np.uint8)):
             column, limits = np.asarray(given), np.iinfo(kind)
             if column.ndim != 1 or column.dtype.kind not in "iu":

@@ -3,18 +3,31 @@
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
-__all__ = ["bases", "causes", "parameters", "targets"]
+__all__ = ["bases", "causes", "effects", "laws", "parameters", "targets"]
 
 CORES = ("avr", "cortex-m0", "cortex-m3", "cortex-m4f", "rv32", "rv32e", "c99")
 
 
 def bases(incomplete: str) -> list[str]:
     """Laws, and files that may hold a model."""
-    from echocal import _core
-
     folder, name = Path(incomplete).parent, Path(incomplete).name
     files = sorted(str(file) for file in folder.glob("*.json") if file.name.startswith(name))
-    return [*_beginning(incomplete, (law["id"] for law in _core.laws())), *files]
+    return [*laws(incomplete), *files]
+
+
+def laws(incomplete: str) -> list[str]:
+    """Laws of the speed of sound."""
+    from echocal import _core
+
+    return list(_beginning(incomplete, (law["id"] for law in _core.laws())))
+
+
+def effects(incomplete: str) -> list[str]:
+    """Effects, with the name of their first parameter."""
+    from echocal.registry import effects as known
+
+    written = (f"{effect.id}:{effect.parameters[0].name}=" for effect in known())
+    return list(_beginning(incomplete, written))
 
 
 def causes(incomplete: str) -> list[str]:

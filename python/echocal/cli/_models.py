@@ -7,19 +7,27 @@ from typing import Annotated, TypeAlias
 
 import typer
 
+from echocal.cli._complete import effects, laws
 from echocal.cli._tables import Given
 from echocal.errors import UsageError
 from echocal.model import Model
 from echocal.model.indicated_speed import speed_of
 from echocal.observations.given import mounted_options
 
-__all__ = ["Effects", "Uncertain", "end", "model_of", "read_for"]
+__all__ = ["Effects", "Law", "Uncertain", "end", "model_of", "read_for"]
 
 Effects: TypeAlias = Annotated[
     list[str] | None,
     typer.Option(
-        "--effect", metavar="ID:NAME=VALUE,...", help='Effect on the law: "fixed_speed:weight=1,speed=343".'
+        "--effect",
+        metavar="ID:NAME=VALUE,...",
+        help='Effect on the law: "fixed_speed:weight=1,speed=343".',
+        autocompletion=effects,
     ),
+]
+Law: TypeAlias = Annotated[
+    str | None,
+    typer.Option(help="Law or expression, in place of a model; default cramer.", autocompletion=laws),
 ]
 
 Uncertain: TypeAlias = Annotated[

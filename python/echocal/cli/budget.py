@@ -10,7 +10,7 @@ from echocal.budget import TRIALS, Budget, budget
 from echocal.budget.coverage import COVERAGE
 from echocal.cli import _made_by
 from echocal.cli._console import Console
-from echocal.cli._models import Effects, Uncertain, model_of, read_for
+from echocal.cli._models import Effects, Law, Uncertain, model_of, read_for
 from echocal.cli._outputs import Force, Output, check_outputs
 from echocal.cli._tables import (
     AS_IT_IS,
@@ -37,9 +37,7 @@ def command(
         Path | None, typer.Argument(metavar="[DATA]", help="Table of readings; default: a grid.")
     ] = None,
     uncertainties: Uncertain = None,
-    law: Annotated[
-        str | None, typer.Option(help="Law or expression, in place of a model; default cramer.")
-    ] = None,
+    law: Law = None,
     effect: Effects = None,
     distance: Annotated[
         str | None, typer.Option(metavar="RANGE", help="For a grid: distances [m]; default 0.5,1,2,4.")

@@ -11,7 +11,7 @@ from echocal.calibrate import Calibration, calibrate
 from echocal.cli import _made_by
 from echocal.cli._complete import parameters
 from echocal.cli._console import Console
-from echocal.cli._models import Effects, model_of
+from echocal.cli._models import Effects, Law, model_of
 from echocal.cli._outputs import Force, Output, Report, check_outputs, write_report
 from echocal.cli._tables import (
     AS_IT_IS,
@@ -39,7 +39,7 @@ def command(
             autocompletion=parameters,
         ),
     ],
-    law: Annotated[str | None, typer.Option(help="Law or expression to begin with; default cramer.")] = None,
+    law: Law = None,
     model: Annotated[Path | None, typer.Option(metavar="FILE", help="Model file to begin with.")] = None,
     effect: Effects = None,
     loss: Annotated[

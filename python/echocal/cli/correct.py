@@ -8,7 +8,7 @@ import typer
 
 from echocal.cli import _made_by
 from echocal.cli._console import Console
-from echocal.cli._models import Effects, Uncertain, model_of
+from echocal.cli._models import Effects, Law, Uncertain, model_of
 from echocal.cli._outputs import Force, Output, check_outputs, made_in
 from echocal.cli._progress import rows_bar
 from echocal.cli._tables import (
@@ -47,9 +47,7 @@ def command(
     model: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Model file; default: a law alone.")
     ] = None,
-    law: Annotated[
-        str | None, typer.Option(help="Law or expression, in place of a model; default cramer.")
-    ] = None,
+    law: Law = None,
     effect: Effects = None,
     models: Annotated[
         Path | None, typer.Option(metavar="DIR", help="Folder with one model for each key of --by.")

@@ -9,7 +9,7 @@ from rich.table import Table
 
 from echocal.cli import _made_by
 from echocal.cli._console import Console
-from echocal.cli._models import Effects, model_of
+from echocal.cli._models import Effects, Law, model_of
 from echocal.cli._outputs import Force, Output, check_outputs
 from echocal.cli._tables import Json, Quiet, noted, write_json
 from echocal.errors import UsageError
@@ -33,7 +33,7 @@ def command(
             metavar="NAME=RANGE", help='Any quantity, unit in the name: "humidity_percent=0:100:20".'
         ),
     ] = None,
-    law: Annotated[str | None, typer.Option(help="Law or expression; default cramer.")] = None,
+    law: Law = None,
     model: Annotated[Path | None, typer.Option(metavar="FILE", help="Model file instead of a law.")] = None,
     effect: Effects = None,
     out: Annotated[

@@ -7,6 +7,7 @@ import typer
 from rich.table import Table
 
 from echocal.cli import _made_by
+from echocal.cli._complete import laws
 from echocal.cli._console import Console
 from echocal.cli._models import Uncertain, end, read_for
 from echocal.cli._outputs import Force, Output, Report, check_outputs, write_report
@@ -40,7 +41,9 @@ def command(
     model: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Correct the table with this model first.")
     ] = None,
-    law: Annotated[str, typer.Option(help="Law that converts echo times to indications.")] = "linear",
+    law: Annotated[
+        str, typer.Option(help="Law that converts echo times to indications.", autocompletion=laws)
+    ] = "linear",
     uncertainties: Uncertain = None,
     temperature: Annotated[
         str, typer.Option(metavar="RANGE", help="For a model: temperatures [degC].")

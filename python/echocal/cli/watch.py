@@ -11,7 +11,7 @@ import typer
 
 from echocal._interrupt import after_imports
 from echocal.cli._console import visible
-from echocal.cli._models import Effects, Uncertain, model_of
+from echocal.cli._models import Effects, Law, Uncertain, model_of
 from echocal.cli._outputs import Force, Output, check_outputs
 from echocal.cli._tables import (
     AS_IT_IS,
@@ -22,6 +22,7 @@ from echocal.cli._tables import (
 from echocal.errors import UsageError
 from echocal.observations.layout import Layout
 from echocal.watch import Event, Fleet, Reference, State, WatchSettings, models_of
+from echocal.watch.home_assistant import HomeAssistant
 from echocal.watch.mqtt import Broker
 from echocal.watch.output import Growing, Stream, Table
 from echocal.watch.run import SCHEMA, Run
@@ -48,9 +49,7 @@ def command(
     by: Annotated[
         str | None, typer.Option(metavar="COLUMN", help="Column with the id of the sensor.")
     ] = None,
-    law: Annotated[
-        str | None, typer.Option(help="Law or expression, in place of a model; default cramer.")
-    ] = None,
+    law: Law = None,
     effect: Effects = None,
     reference_distance: Annotated[
         float | None, typer.Option(metavar="M", help="Distance of the target in every row, in m.")
@@ -104,6 +103,12 @@ def command(
             metavar="FILE",
             help="What is no row goes here with its reason, as JSON lines; with MQTT always, by default "
             "beside --out or --state.",
+        ),
+    ] = None,
+    home_assistant: Annotated[
+        str | None,
+        typer.Option(
+            metavar="URL", help="Broker of Home Assistant, mqtt://HOST: it finds the sensors there by itself."
         ),
     ] = None,
     mark_rows: Annotated[
@@ -164,6 +169,9 @@ def command(
         rows = _source(source, kept, poll, client, reading.layout, once=once)
         if isinstance(rows, Broker):
             at_end.callback(rows.close)
+        home = None if home_assistant is None else HomeAssistant(home_assistant, client, by)
+        if home is not None:
+            at_end.callback(home.close)
         run = Run(
             fleet,
             rows,
@@ -172,6 +180,7 @@ def command(
             None if letters is None else Growing(Path(letters), kept, append=True),
             lambda news: _tell(news, json, quiet or out == "-"),
             lambda text: _say(f"note: {text}", quiet),
+            None if home is None else home.publish,
         )
         kept.commit()
         _until_it_ends(run, rows, quiet)

@@ -16,7 +16,7 @@ from echocal.observations.heading import FIRST, head_in
 from echocal.observations.layout import CUT_SIGN, Head, Layout, said_no_text, seen_in
 from echocal.observations.limits import Guarded
 
-__all__ = ["TextFile", "is_parquet"]
+__all__ = ["BAG", "ULOG", "TextFile", "is_parquet"]
 
 _SAMPLE = 1 << 20  # bytes that show the encoding
 _ZIPPED = b"\x1f\x8b"
@@ -30,6 +30,10 @@ _NO_TABLE = {
     b"SQLi": "an SQLite database; save the table as CSV",
 }
 """What files begin with that are no table of text."""
+
+ULOG, BAG = "a ULog of PX4", "a bag of ROS"
+_RECORDINGS = {b"ULog\x01\x12\x35": ULOG, b"#ROSBAG ": BAG, b"\x89MCAP0\r\n": BAG}
+_DATABASE = ".db3"  # of ROS 2: SQLite, which other programs use, too
 
 
 class TextFile:
@@ -47,6 +51,8 @@ class TextFile:
     layout : Layout
         The same, with the encoding that was seen.
     is_parquet, is_spreadsheet, is_zipped : bool
+    recording : str
+        What a person calls it where it is a recording of messages; else empty.
     above : list of str
         Lines that the layout skips.
     first : list of str
@@ -65,11 +71,14 @@ class TextFile:
         with _opened(path) as file:
             begins = self._begins = file.read(8)
             self.is_zipped = begins.startswith(_ZIPPED)
+            self.is_parquet, self.is_spreadsheet = begins[:4] == _PARQUET, begins.startswith(_SPREADSHEETS)
+            self.recording = _recording(path, begins)
+            if self.recording:
+                return
             for start, told in _NO_TABLE.items():
                 if begins.startswith(start):
                     message = f"{path} is {told}"
                     raise DataError(message)
-            self.is_parquet, self.is_spreadsheet = begins[:4] == _PARQUET, begins.startswith(_SPREADSHEETS)
             if not (self.is_parquet or self.is_spreadsheet):
                 with self._unpacked(file) as data:
                     self._look(data)
@@ -145,6 +154,12 @@ class TextFile:
     def no_text(self) -> DataError:
         """An error that says that it is not text in its encoding."""
         return DataError(said_no_text(str(self.path), self.layout.encoding, self._begins))
+
+
+def _recording(path: Path, begins: bytes) -> str:
+    """What a person calls a recording of messages, by its first bytes; empty for another file."""
+    found = next((kind for start, kind in _RECORDINGS.items() if begins.startswith(start)), "")
+    return BAG if begins.startswith(b"SQLite") and path.suffix == _DATABASE else found
 
 
 def is_parquet(path: Path) -> bool:

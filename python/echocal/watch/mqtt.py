@@ -5,14 +5,14 @@ import json
 import queue
 from collections.abc import Iterator
 from typing import Any
-from urllib.parse import unquote, urlsplit
+from urllib.parse import SplitResult, unquote, urlsplit
 
 from echocal.errors import DataError, UsageError
 from echocal.watch.parser import Batch, json_of, parsed
 from echocal.watch.rows import Row
 from echocal.watch.state import State
 
-__all__ = ["Broker"]
+__all__ = ["Broker", "client_of", "connect", "place_of"]
 
 _MOST = 2000  # messages of a batch
 
@@ -43,12 +43,6 @@ class Broker:
     """
 
     def __init__(self, url: str, client: str, wait: float, state: State) -> None:
-        try:
-            from paho.mqtt.client import Client, MQTTMessage
-            from paho.mqtt.enums import CallbackAPIVersion
-        except ImportError:
-            message = "MQTT needs the library paho-mqtt: pip install 'echocal[mqtt]'"
-            raise UsageError(message) from None
         parts = urlsplit(url.replace("#", "%23"))
         self.topic, self.wait = unquote(parts.path.lstrip("/")), wait
         self._state, self._last = state, dict[str, str]()
@@ -57,25 +51,13 @@ class Broker:
         if not parts.hostname or not self.topic:
             message = f"{url} is no address of a topic; give mqtt://host[:port]/topic, e.g. mqtt://host/tanks/+/echo"
             raise UsageError(message)
-        self.place = f"{parts.hostname}:{parts.port or (8883 if parts.scheme == 'mqtts' else 1883)}"
-        self._arrived: queue.SimpleQueue[MQTTMessage | DataError] = queue.SimpleQueue()
-        self._taken: list[MQTTMessage] = []
-        self._client = Client(
-            CallbackAPIVersion.VERSION2, client_id=client, clean_session=not client, manual_ack=True
-        )
+        self.place = place_of(parts)
+        self._arrived: queue.SimpleQueue[Any] = queue.SimpleQueue()
+        self._taken: list[Any] = []
+        self._client = client_of(parts, client_id=client, clean_session=not client, manual_ack=True)
         self._client.on_connect = self._connected
         self._client.on_message = lambda _client, _data, message: self._arrived.put(message)
-        if parts.username:
-            self._client.username_pw_set(unquote(parts.username), unquote(parts.password or ""))
-        if parts.scheme == "mqtts":
-            self._client.tls_set()
-        host, _, port = self.place.rpartition(":")
-        try:
-            self._client.connect(host, int(port))
-        except OSError as error:
-            message = f"the broker {self.place} cannot be reached: {error.strerror or error}"
-            raise DataError(message) from None
-        self._client.loop_start()
+        connect(self._client, parts)
 
     def _connected(self, client: Any, _data: Any, flags: Any, reason: Any, _properties: Any) -> None:
         if reason.is_failure:
@@ -144,6 +126,51 @@ class Broker:
         """Leave the broker."""
         self._client.disconnect()
         self._client.loop_stop()
+
+
+def client_of(parts: SplitResult, **settings: Any) -> Any:
+    """A client for the broker of an address, which is not connected yet.
+
+    Raises
+    ------
+    UsageError
+        If the library is absent.
+    """
+    try:
+        from paho.mqtt.client import Client
+        from paho.mqtt.enums import CallbackAPIVersion
+    except ImportError:
+        message = "MQTT needs the library paho-mqtt: pip install 'echocal[mqtt]'"
+        raise UsageError(message) from None
+    client = Client(CallbackAPIVersion.VERSION2, **settings)
+    if parts.username:
+        client.username_pw_set(unquote(parts.username), unquote(parts.password or ""))
+    if parts.scheme == "mqtts":
+        client.tls_set()
+    return client
+
+
+def connect(client: Any, parts: SplitResult) -> None:
+    """Connect a client, and let it work.
+
+    Raises
+    ------
+    DataError
+        If the broker cannot be reached.
+    """
+    place = place_of(parts)
+    host, _, port = place.rpartition(":")
+    try:
+        client.connect(host, int(port))
+    except OSError as error:
+        message = f"the broker {place} cannot be reached: {error.strerror or error}"
+        raise DataError(message) from None
+    client.loop_start()
+
+
+def place_of(parts: SplitResult) -> str:
+    """Host and port of a broker."""
+    return f"{parts.hostname}:{parts.port or (8883 if parts.scheme == 'mqtts' else 1883)}"
 
 
 def _with_topic(row: Row | None, why: str, topic: str) -> tuple[Row | None, str]:

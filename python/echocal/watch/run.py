@@ -35,6 +35,7 @@ class Run:
     letters: Growing | None  # takes what is set aside with its reason, as JSON lines
     tell: Callable[[Sequence[Event]], None]  # shows events
     say: Callable[[str], None]  # shows a note
+    pass_on: Callable[[Sequence[Row], Sequence[Event]], None] | None = None  # takes what is committed
     changes: int = 0
     aside: int = 0
     _counts: tuple[int, int, int] = (0, 0, 0)
@@ -100,6 +101,8 @@ class Run:
         self.fleet.state.commit()
         self._counts = self.fleet.rows, self.fleet.corrected, self.fleet.ignored
         self._show(news, aside)
+        if self.pass_on is not None:
+            self.pass_on(corrected, news)
 
     def _write(self, corrected: list[Row], news: list[Event], aside: list[Unread]) -> None:
         state = self.fleet.state
@@ -152,6 +155,8 @@ class Run:
             corrected, news = self.fleet.finish()
             self._write(corrected, news, [])
             self._show(news, [])
+            if self.pass_on is not None:
+                self.pass_on(corrected, news)
         elif isinstance(self.table, Table):
             self.table.write(self.fleet.so_far())
             self.table.flush()

@@ -27,6 +27,7 @@ from echocal.observations.readers import (
     messages,
     mqtt_lines,
     nmea,
+    recordings,
     serial_lines,
     spreadsheet,
     times,
@@ -68,6 +69,8 @@ _LOOK = 1 << 16  # characters of a line that tell the format; a document of JSON
 
 def read(file: TextFile, sheet: str | None = None) -> pd.DataFrame | None:
     """Read a log that is no delimited text; None for one that is. Raises `DataError` if it cannot be read."""
+    if file.recording:
+        return recordings.read(file.path, file.recording)
     if file.is_spreadsheet:
         return spreadsheet.read(file.path, sheet, file.layout.skip_lines)
     form = _form(file)
@@ -96,8 +99,8 @@ def _lines(text: TextIO, form: ModuleType) -> Iterator[str]:
 
 def format_of(file: TextFile) -> str:
     """What a person calls the format of a log that `echocal correct` cannot keep line by line; else empty."""
-    if file.is_spreadsheet:
-        return spreadsheet.NAME
+    if file.is_spreadsheet or file.recording:
+        return file.recording or spreadsheet.NAME
     form = _form(file)
     return "" if form is None else str(form.NAME)
 

@@ -1,0 +1,1 @@
+"""A ruler experiment: where the target goes next, readings of each placement, and when it is enough."""

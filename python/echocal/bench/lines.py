@@ -1,0 +1,99 @@
+"""Lines of a ranger: from a serial port, or typed, pasted and piped by a person."""
+
+from collections.abc import Callable, Iterator
+from typing import Any
+
+from echocal.errors import DataError, UsageError
+
+__all__ = ["Port", "block"]
+
+_SILENCE = 10.0  # s without a line, after which a port is told silent
+_FIRST = 5  # lines in which a program tells the names of its columns
+
+
+def block(line: Callable[[], str]) -> list[str]:
+    """Lines up to an empty one, or the end.
+
+    Parameters
+    ----------
+    line : callable
+        Gives the next line with its end; an empty text where there is none.
+    """
+    lines = []
+    while (text := line()).strip():
+        lines.append(text.rstrip("\r\n"))
+    return lines
+
+
+class Port:
+    """A serial port, by the library pyserial.
+
+    Parameters
+    ----------
+    name : str
+        ``/dev/ttyUSB0``, ``COM3``, or an address as pyserial has them.
+    rate : int
+        Bits per second.
+    wait : float
+        Longest wait for a line [s].
+
+    Attributes
+    ----------
+    first : list of str
+        The lines that came first, in which a program tells the names of its columns. They are no readings,
+        because nobody knows where the target was.
+
+    Raises
+    ------
+    UsageError
+        If the library is absent.
+    DataError
+        If the port cannot be opened, or no line comes.
+    """
+
+    def __init__(self, name: str, rate: int, wait: float = _SILENCE) -> None:
+        try:
+            import serial
+        except ImportError:
+            message = "a serial port needs the library pyserial: pip install 'echocal[serial]'"
+            raise UsageError(message) from None
+        self.name, self.rate, self.wait = name, rate, wait
+        try:
+            self._port: Any = serial.serial_for_url(name, baudrate=rate, timeout=wait)
+        except (OSError, ValueError) as error:  # pyserial's own errors are OSErrors
+            message = f"the port {name} cannot be opened: {error}"
+            raise DataError(message) from None
+        self.first = [line for line, _ in zip(self._lines(), range(_FIRST), strict=False)]
+
+    def take(self, count: int) -> list[str]:
+        """The next lines that come from now on; what came before is left out, and so is a part of a line."""
+        self._port.reset_input_buffer()
+        self._read()
+        return [line for line, _ in zip(self._lines(), range(count), strict=False)]
+
+    def more(self, count: int) -> list[str]:
+        """The lines that follow."""
+        return [line for line, _ in zip(self._lines(), range(count), strict=False)]
+
+    def close(self) -> None:
+        """Leave the port."""
+        self._port.close()
+
+    def _lines(self) -> Iterator[str]:
+        while True:
+            if text := self._read():
+                yield text
+
+    def _read(self) -> str:
+        try:
+            line = self._port.readline()
+        except OSError as error:
+            message = f"the port {self.name} does not answer any more: {error}"
+            raise DataError(message) from None
+        if not line.endswith(b"\n"):
+            message = (
+                f"no line came from {self.name} in {self.wait:g} s at {self.rate} baud: does the sketch "
+                "print lines, and at this rate?"
+            )
+            raise DataError(message)
+        return str(line.decode("utf-8", errors="replace")).strip()
