@@ -10,7 +10,7 @@ from typing import Any
 
 from echocal import _core, echoes, silicon
 from echocal.budget.stated import Uncertainties
-from echocal.codes import EchoCodes, HumidityCodes, TemperatureCodes, codes_of, count
+from echocal.codes import EchoCodes, HumidityCodes, TemperatureCodes, codes_of, count, numbers
 from echocal.conditions import columns
 from echocal.device_uncertainty import expanded_uncertainty
 from echocal.domain import describe
@@ -71,7 +71,8 @@ def generate(
     temperature : TemperatureCodes or tuple of (lsb, low, high)
         Codes of the thermometer [degC].
     humidity : HumidityCodes or tuple of (lsb, low, high), optional
-        Codes of the hygrometer [1]; default: the device has none.
+        Codes of the hygrometer [1]; default: the device has none. `echocal.sensors.SENSORS` has those of
+        known parts.
     echo : float, EchoCodes or tuple of (lsb, longest, shortest), optional
         Longest and shortest accepted echo time [us], and tick `lsb` of the timer [us], 1 us by default.
         The default of the shortest is the earliest echo from `echocal.echoes.BLANKING_M`. The default of the
@@ -161,8 +162,8 @@ def generate(
         "name": name,
         "prefer": prefer,
         "form": form,
-        "temperature": _numbers(codes),
-        "humidity": None if humidity_codes is None else _numbers(humidity_codes),
+        "temperature": numbers("temperature", codes),
+        "humidity": None if humidity_codes is None else numbers("humidity", humidity_codes),
         "output_unit": output_unit,
         "maximum_error": float(max_error),
         "maximum_distance": float(max_distance),
@@ -288,11 +289,6 @@ def _assumed(model: Model, assume: Mapping[str, float]) -> list[float]:
     return [float(value[0]) for value in values]
 
 
-def _numbers(codes: TemperatureCodes | HumidityCodes) -> tuple[float, float, float, float]:
-    """Return step, ends and value of code 0, as the core takes them."""
-    return float(codes.lsb), float(codes.low), float(codes.high), float(codes.zero)
-
-
 def _threads(wanted: int | None) -> int:
     return count("n_threads", (os.cpu_count() or 1) if wanted is None else wanted, _MOST_THREADS, least=1)
 
@@ -305,7 +301,7 @@ def _command(
     measure: bool,
 ) -> str:
     """Return the command line that makes the same files again."""
-    tick, shortest, longest = request["echo"]
+    tick, shortest, longest, bits = request["echo"]
     package, unit = request["package"], request["output_unit"]
     return command_line(
         "firmware",
@@ -314,6 +310,7 @@ def _command(
         **_codes("temperature", request["temperature"]),
         **_codes("humidity", request["humidity"]),
         echo_lsb_us=None if tick == 1.0 else tick,
+        echo_bits=None if bits == 16 else bits,
         echo_min_us=shortest,
         echo_max_us=longest,
         max_error_mm=_millimeters(request["maximum_error"]),
@@ -338,9 +335,14 @@ def _millimeters(size: float) -> float:
     return next((text for text in texts if text * 1e-3 == size), size * 1e3)
 
 
-def _codes(name: str, codes: tuple[float, float, float, float] | None) -> dict[str, Any]:
+def _codes(name: str, codes: tuple[float, float, float, float, int] | None) -> dict[str, Any]:
     """Options of the codes of a quantity; none if it is not measured."""
     if codes is None:
         return {}
-    lsb, low, high, zero = codes
-    return {f"{name}_lsb": lsb, f"{name}_range": f"{exact(low)}:{exact(high)}", f"{name}_zero": zero or None}
+    lsb, low, high, zero, shift = codes
+    return {
+        f"{name}_lsb": lsb,
+        f"{name}_range": f"{exact(low)}:{exact(high)}",
+        f"{name}_zero": zero or None,
+        f"{name}_shift": shift or None,
+    }

@@ -71,6 +71,12 @@ struct ParameterText<'a> {
     lsb: f64,
     zero: f64,
     meaning: String,
+    /// Bits that the function drops, and codes in a step.
+    shift: u32,
+    step: i64,
+    /// Ends of its type.
+    least: i64,
+    most: i64,
     first: i64,
     last: i64,
 }
@@ -94,6 +100,10 @@ fn parameter(axis: &Axis) -> ParameterText<'_> {
         lsb: axis.lsb,
         zero: axis.zero,
         meaning,
+        shift: axis.shift,
+        step: 1 << axis.shift,
+        least: axis.ty.range().minimum,
+        most: axis.ty.range().maximum,
         first: axis.codes.minimum,
         last: axis.codes.maximum,
     }
@@ -110,7 +120,7 @@ pub fn emit(
     measured: &[Measurement],
     uncertainty: &Uncertainty,
 ) -> Result<Vec<(String, String)>, Error> {
-    let reach = reach::reach(design, device);
+    let reach = reach::reach(&design.proof, device);
     let package = Package::parse(&provenance.package)?;
     let (vectors, count) = selftest::columns(design, device);
     let outputs = format!("{:016x}", design.proof.hash);

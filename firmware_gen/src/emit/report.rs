@@ -38,6 +38,9 @@ pub struct Provenance {
     /// Where the accepted codes leave the domain of the law, a line each.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub outside_domain: Vec<String>,
+    /// The conditions of which the function drops bits, and what that costs, a line each.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub resolution: Vec<String>,
     /// The assumed values of conditions that the device does not measure, a line each.
     pub assumptions: Vec<String>,
     /// The effects and conditions behind them: effect, quantity, whether a value is assumed, error left \[m\].

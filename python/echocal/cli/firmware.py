@@ -21,16 +21,18 @@ from rich.table import Table
 from echocal import silicon
 from echocal.checksums import CHECKSUMS, listed, unedited
 from echocal.cli import _explore, _made_by
+from echocal.cli._codes import humidity_codes, temperature_codes
 from echocal.cli._complete import targets
 from echocal.cli._console import Console
 from echocal.cli._outputs import Force, Output, check_outputs, made_in, pass_on
 from echocal.device_uncertainty import rounded_up
 from echocal.echoes import BLANKING_M
 from echocal.errors import DomainWarning, UsageError
-from echocal.firmware import EchoCodes, Firmware, HumidityCodes, TemperatureCodes, generate
+from echocal.firmware import EchoCodes, Firmware, generate
 from echocal.model import Model
 from echocal.outputs import replace_text
 from echocal.pages.considered import considered
+from echocal.sensors import sensor_of
 
 Tell = Callable[[str, int, int], object]
 
@@ -49,16 +51,31 @@ def command(
             help="Core: avr, cortex-m0, cortex-m3, cortex-m4f, rv32, rv32e or c99.", autocompletion=targets
         ),
     ] = "c99",
-    temperature_lsb: Annotated[float, option("Step of one temperature code [degC].")] = 0.0625,
-    temperature_range: Annotated[str, option("Accepted temperatures, LOW:HIGH [degC].")] = "-20:60",
-    temperature_zero: Annotated[float, option("Temperature of code 0 [degC].")] = 0.0,
+    sensor: Annotated[
+        str | None, option("Known sensor, such as SHT31: its published codes are the default.")
+    ] = None,
+    temperature_lsb: Annotated[
+        float | None, option("Step of one temperature code [degC]; default: 0.0625.")
+    ] = None,
+    temperature_range: Annotated[
+        str | None, option("Accepted temperatures, LOW:HIGH [degC]; default: -20:60.")
+    ] = None,
+    temperature_zero: Annotated[float | None, option("Temperature of code 0 [degC]; default: 0.")] = None,
+    temperature_shift: Annotated[
+        int | None, option("Lowest bits of the temperature code that the function drops.")
+    ] = None,
     humidity_lsb: Annotated[
         float | None, option("Step of one humidity code [1], if the device measures humidity.")
     ] = None,
     humidity_range: Annotated[
         str | None, option("Accepted relative humidities, LOW:HIGH [1]; default: 0:1.")
     ] = None,
-    humidity_zero: Annotated[float, option("Relative humidity of code 0 [1].")] = 0.0,
+    humidity_zero: Annotated[
+        float | None, option("Relative humidity of code 0 [1]; default: 0.")
+    ] = None,
+    humidity_shift: Annotated[
+        int | None, option("Lowest bits of the humidity code that the function drops.")
+    ] = None,
     lsb: Annotated[float, option("Tick of the timer [us].", "--echo-lsb-us")] = 1.0,
     shortest: Annotated[
         float | None,
@@ -71,6 +88,7 @@ def command(
         float | None,
         option("Longest accepted echo time [us]; default: the echo from --max-distance-m.", "--echo-max-us"),
     ] = None,
+    bits: Annotated[int, option("Bits of the timer: 16, or 32 for a uint32_t.", "--echo-bits")] = 16,
     output_unit: Annotated[str, option("Unit of the output: um, mm or cm.")] = "um",
     max_error_mm: Annotated[float, option("Largest error against the model [mm].")] = 0.5,
     max_distance: Annotated[
@@ -122,12 +140,13 @@ def command(
     if explore:
         _refuse_one(prefer, form, bool(measure or uncertainties), package, name, page)
     _refuse_outputs(model, json, out, _explore.FILES if explore else listed(out), page, force=force)
+    known = None if sensor is None else sensor_of(sensor)
     request: dict[str, Any] = {
-        "temperature": TemperatureCodes(
-            temperature_lsb, *_range("--temperature-range", temperature_range, "-20:60"), temperature_zero
+        "temperature": temperature_codes(
+            known, temperature_lsb, temperature_range, temperature_zero, temperature_shift
         ),
-        "humidity": _humidity_codes(humidity_lsb, humidity_range, humidity_zero),
-        "echo": EchoCodes(lsb, longest, shortest),
+        "humidity": humidity_codes(known, humidity_lsb, humidity_range, humidity_zero, humidity_shift),
+        "echo": EchoCodes(lsb, longest, shortest, bits),
         "output_unit": output_unit,
         "max_error": max_error_mm * 1e-3,
         "max_distance": max_distance,
@@ -228,25 +247,6 @@ def _refuse_outputs(
         force=force,
         told=True,
     )
-
-
-def _range(name: str, text: str, example: str) -> tuple[float, float]:
-    low, separator, high = text.partition(":")
-    try:
-        return float(low), float(high if separator else "missing")
-    except ValueError:
-        message = f"{name} is '{text}': give LOW:HIGH, as in {name}={example}"
-        raise UsageError(message) from None
-
-
-def _humidity_codes(lsb: float | None, codes: str | None, zero: float) -> HumidityCodes | None:
-    if lsb is not None:
-        return HumidityCodes(lsb, *_range("--humidity-range", codes or "0:1", "0:1"), zero)
-    if codes is not None or zero:
-        option = "--humidity-zero" if codes is None else "--humidity-range"
-        message = f"{option} needs --humidity-lsb, the step of one humidity code"
-        raise UsageError(message)
-    return None
 
 
 def _assignment(text: str) -> tuple[str, float]:

@@ -139,7 +139,14 @@ def function(made: Generated) -> str:
     return f"{called(made)}_distance_{made.report['device'].get('output', {'unit': 'um'})['unit']}"
 
 
-def definitions(made: Generated) -> tuple[str, str]:
-    """Return the macros by which a program for the board knows the function and its temperature."""
-    warm = made.report["device"]["conditions"][0].get("type", "i16")
-    return f"-DDISTANCE={function(made)}", f"-DCODE={'uint16_t' if warm == 'u16' else 'int16_t'}"
+def definitions(made: Generated) -> tuple[str, ...]:
+    """Return the macros by which a program for the board knows the function and the types of its codes."""
+    device = made.report["device"]
+    given = zip(("ECHO", "CODE", "DAMP"), (device["echo"], *device["conditions"]), strict=False)
+    types = (f"-D{name}={_type(axis['type'])}" for name, axis in given if "type" in axis)
+    return f"-DDISTANCE={function(made)}", *types
+
+
+def _type(short: str) -> str:
+    """Name in C of a type such as u16."""
+    return f"{'u' if short[0] == 'u' else ''}int{short[1:]}_t"

@@ -2,9 +2,10 @@
 
 use echocal_core::{Conditions, Quantity};
 use echocal_firmware::lower::{Lowered, Omission, describe, lower, lower_without_echo};
+use echocal_firmware::device::check_rows;
 use echocal_firmware::target;
 use echocal_firmware::{
-    Axis, Design, Device, Error, Measurement, Output, Package, Prefer, Progress, Provenance,
+    Axis, Codes, Design, Device, Error, Measurement, Output, Package, Prefer, Progress, Provenance,
     Request, Target, Uncertainty, design, emit,
 };
 use numpy::PyArray1;
@@ -149,10 +150,10 @@ pub struct FirmwareRequest {
     package: String,
     prefer: String,
     form: Option<String>,
-    temperature: Codes,
-    humidity: Option<Codes>,
-    /// Tick, shortest and longest echo time \[us\].
-    echo: (f64, f64, f64),
+    temperature: Condition,
+    humidity: Option<Condition>,
+    /// Tick, shortest and longest echo time \[us\], bits of the timer.
+    echo: (f64, f64, f64, u32),
     output_unit: String,
     maximum_error: f64,
     maximum_distance: f64,
@@ -173,8 +174,8 @@ pub struct FirmwareRequest {
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub struct EchoTimesRequest {
-    temperature: Codes,
-    humidity: Option<Codes>,
+    temperature: Condition,
+    humidity: Option<Condition>,
     maximum_distance: f64,
     accept: Vec<String>,
     assumed: [f64; Quantity::COUNT],
@@ -252,23 +253,33 @@ impl Failure {
 
 /// What the device measures.
 fn device(request: &FirmwareRequest) -> Result<Device, Error> {
-    let (tick, shortest, longest) = request.echo;
+    let (tick, shortest, longest, bits) = request.echo;
     Ok(Device {
-        echo: Axis::echo(tick, shortest, longest)?,
+        echo: Axis::timer(tick, shortest, longest, bits)?,
         conditions: conditions(request.temperature, request.humidity)?,
         output: Output::parse(&request.output_unit)?,
     })
 }
 
-/// LSB, lowest and highest value, and the value of code 0.
-type Codes = (f64, f64, f64, f64);
+/// LSB, lowest and highest value, the value of code 0, and the bits that the function drops.
+type Condition = (f64, f64, f64, f64, u32);
 
-fn conditions(temperature: Codes, humidity: Option<Codes>) -> Result<Vec<Axis>, Error> {
-    let (lsb, low, high, zero) = temperature;
-    let mut axes = vec![Axis::temperature(lsb, low, high, zero)?];
-    if let Some((lsb, low, high, zero)) = humidity {
-        axes.push(Axis::humidity(lsb, low, high, zero)?);
+fn conditions(temperature: Condition, humidity: Option<Condition>) -> Result<Vec<Axis>, Error> {
+    let axis = |quantity: &str, (lsb, low, high, zero, shift): Condition| {
+        let codes = Codes {
+            lsb,
+            low,
+            high,
+            zero,
+            shift,
+        };
+        Axis::of(quantity, codes)
+    };
+    let mut axes = vec![axis("temperature", temperature)?];
+    if let Some(humidity) = humidity {
+        axes.push(axis("relative_humidity", humidity)?);
     }
+    check_rows(&axes)?;
     Ok(axes)
 }
 
@@ -328,6 +339,7 @@ fn meet(
         standard_uncertainty: request.standard_uncertainty.clone(),
         fitted: request.fitted.clone(),
         outside_domain: request.outside_domain.clone(),
+        resolution: lowered.resolution(&device, request.maximum_distance),
         assumptions: lowered.omissions.iter().map(ToString::to_string).collect(),
         omissions: lowered.omissions.iter().map(Omission::to_json).collect(),
         maximum_error: request.maximum_error,

@@ -1,0 +1,390 @@
+//! One argument of the generated function: an integer code, and the quantity that it stands for.
+
+use crate::error::Error;
+use crate::types::{IntegerType, Range};
+use serde::Serialize;
+
+/// One argument of the generated function: an integer code and the quantity it stands for, `value = zero + lsb * code`.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Axis {
+    /// Name of the C parameter.
+    pub name: String,
+    /// Influence quantity of the model that the code carries.
+    pub quantity: String,
+    /// Unit of `lsb` and `zero`, as the unit contract names it.
+    pub unit: String,
+    /// Value of one code.
+    pub lsb: f64,
+    /// Value at code 0.
+    pub zero: f64,
+    /// Codes that the function accepts.
+    pub codes: Range,
+    /// Bits that the function drops. All codes of a step of 2^`shift` give the same output.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub shift: u32,
+    /// Type of the C parameter.
+    #[serde(rename = "type")]
+    pub ty: IntegerType,
+}
+
+#[allow(clippy::trivially_copy_pass_by_ref)] // serde passes a reference
+fn is_zero(shift: &u32) -> bool {
+    *shift == 0
+}
+
+/// The codes of a condition, as they are asked for: LSB, ends and value of code 0 in the unit of the quantity.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Codes {
+    /// Value of one code; negative where the codes fall as the quantity rises.
+    pub lsb: f64,
+    /// Least value that is accepted.
+    pub low: f64,
+    /// Largest value that is accepted.
+    pub high: f64,
+    /// Value at code 0.
+    pub zero: f64,
+    /// Bits that the function drops.
+    pub shift: u32,
+}
+
+impl Codes {
+    /// Codes of which no bit is dropped.
+    #[must_use]
+    pub const fn new(lsb: f64, low: f64, high: f64, zero: f64) -> Self {
+        Self {
+            lsb,
+            low,
+            high,
+            zero,
+            shift: 0,
+        }
+    }
+
+    /// The first and the last code between two values.
+    fn between(self, low: f64, high: f64) -> (f64, f64) {
+        let (start, end) = if self.lsb > 0.0 { (low, high) } else { (high, low) };
+        let first = ((start - self.zero) / self.lsb - SLACK).ceil() + 0.0; // no -0 in a message
+        (first, ((end - self.zero) / self.lsb + SLACK).floor())
+    }
+}
+
+/// Tolerance of the ends of a range \[codes\]. 0.1 degC is no binary fraction, and -20 degC must still be code -200: the
+/// rounding error of such a quotient is below 1e-10 codes.
+pub(crate) const SLACK: f64 = 1e-9;
+
+/// Most bits that the function can drop: those of a code of 32 bits, less 8 that are left.
+const MOST_DROPPED: u32 = 24;
+
+/// What is particular to the codes of one quantity.
+struct Kind {
+    name: &'static str,
+    quantity: &'static str,
+    words: &'static str,
+    unit: &'static str,
+    /// Its unit in messages; a fraction is given as a number of this unit.
+    told: &'static str,
+    /// Values that can be asked for.
+    possible: (f64, f64),
+    /// Values that a sensor may have a code for, whatever is accepted: the type of the parameter holds these codes if the
+    /// function drops bits, or if `wide`.
+    usual: (f64, f64),
+    wide: bool,
+    /// Types of the parameter, the preferred first.
+    types: &'static [IntegerType],
+}
+
+const TEMPERATURE: Kind = Kind {
+    name: "temperature_code",
+    quantity: "temperature",
+    words: "temperature",
+    unit: "degC",
+    told: "degC",
+    possible: (f64::NEG_INFINITY, f64::INFINITY),
+    usual: (-40.0, 125.0),
+    wide: false,
+    types: &[IntegerType::I16, IntegerType::U16, IntegerType::U32],
+};
+
+const HUMIDITY: Kind = Kind {
+    name: "humidity_code",
+    quantity: "relative_humidity",
+    words: "relative humidity",
+    unit: "1",
+    told: "(1 is 100 %)",
+    possible: (0.0, 1.0),
+    usual: (0.0, 1.0),
+    wide: true,
+    types: &[
+        IntegerType::U8,
+        IntegerType::U16,
+        IntegerType::I16,
+        IntegerType::U32,
+    ],
+};
+
+/// Every quantity that a device may have codes of.
+const KINDS: [&Kind; 2] = [&TEMPERATURE, &HUMIDITY];
+
+impl Axis {
+    /// Echo times of `shortest` to `longest` \[us\], in ticks of `lsb` \[us\] of a timer of 16 bits.
+    ///
+    /// # Errors
+    /// As for [`Axis::timer`].
+    pub fn echo(lsb: f64, shortest: f64, longest: f64) -> Result<Self, Error> {
+        Self::timer(lsb, shortest, longest, 16)
+    }
+
+    /// Echo times of `shortest` to `longest` \[us\], in ticks of `lsb` \[us\] of a timer of `bits` bits: 16 or 32.
+    ///
+    /// # Errors
+    /// If the tick is not positive, the timer is none of these, the longest time is not 1 or more of its ticks, or the
+    /// shortest is below 0 or leaves no two codes.
+    pub fn timer(lsb: f64, shortest: f64, longest: f64, bits: u32) -> Result<Self, Error> {
+        if !(lsb.is_finite() && lsb > 0.0) {
+            return Err(Error::Codes(format!(
+                "echo LSB {lsb} us is no tick of a timer: give a positive number [us]"
+            )));
+        }
+        let (ty, most, more) = match bits {
+            16 => (
+                IntegerType::U16,
+                65_535.0,
+                ": of a timer of 32 bits, state its bits",
+            ),
+            32 => (IntegerType::U32, MOST_TICKS, ": take a coarser tick"),
+            _ => {
+                return Err(Error::Codes(format!(
+                    "a timer of {bits} bits: this version has 16 and 32"
+                )));
+            }
+        };
+        let last = (longest / lsb + SLACK).floor();
+        if !(1.0..=most).contains(&last) {
+            let code = if lsb == 1.0 {
+                String::new()
+            } else {
+                format!(" is code {last} of LSB {lsb} us: it")
+            };
+            let holds = if bits == 16 {
+                "what a uint16_t holds"
+            } else {
+                "what is proven in a minute"
+            };
+            return Err(Error::Codes(format!(
+                "echo max {longest} us{code} is outside 1 .. {most}, {holds}{more}"
+            )));
+        }
+        let first = (shortest / lsb - SLACK).ceil() + 0.0; // no -0 in a message
+        // Not a number, and it is refused too: every comparison with one is false.
+        if !(0.0 <= first && first < last) {
+            return Err(Error::Codes(format!(
+                "echo times {shortest} .. {longest} us of LSB {lsb} us are codes {first} .. {last}: give an echo min of 0 or more, below the echo max"
+            )));
+        }
+        let name = if lsb == 1.0 { "echo_us" } else { "echo_code" };
+        Ok(Self {
+            name: name.into(),
+            quantity: "time_of_flight".into(),
+            unit: "s".into(),
+            lsb: lsb * 1e-6,
+            zero: 0.0,
+            codes: Range {
+                minimum: first as i64,
+                maximum: last as i64,
+            },
+            shift: 0,
+            ty,
+        })
+    }
+
+    /// Air temperatures \[degC\], no bit of the codes dropped.
+    ///
+    /// # Errors
+    /// As for [`Axis::of`].
+    pub fn temperature(lsb: f64, low: f64, high: f64, zero: f64) -> Result<Self, Error> {
+        Self::condition(&TEMPERATURE, Codes::new(lsb, low, high, zero))
+    }
+
+    /// Relative humidities \[1\], no bit of the codes dropped.
+    ///
+    /// # Errors
+    /// As for [`Axis::of`].
+    pub fn humidity(lsb: f64, low: f64, high: f64, zero: f64) -> Result<Self, Error> {
+        Self::condition(&HUMIDITY, Codes::new(lsb, low, high, zero))
+    }
+
+    /// The codes of a quantity.
+    ///
+    /// # Errors
+    /// If no device has codes of it, or if the range is empty, not finite, not possible, or needs codes that no type of
+    /// the parameter holds.
+    pub fn of(quantity: &str, codes: Codes) -> Result<Self, Error> {
+        let found = KINDS.iter().find(|kind| kind.quantity == quantity);
+        let kind = found.ok_or_else(|| {
+            let known: Vec<_> = KINDS.iter().map(|kind| kind.quantity).collect();
+            let known = known.join(", ");
+            Error::Codes(format!("no device has codes of {quantity}; this version has those of {known}"))
+        })?;
+        Self::condition(kind, codes)
+    }
+
+    fn condition(kind: &Kind, asked: Codes) -> Result<Self, Error> {
+        let Codes {
+            lsb,
+            low,
+            high,
+            zero,
+            shift,
+        } = asked;
+        let what = format!("{} {low}:{high} {} with LSB {lsb}", kind.words, kind.told);
+        let (least, most) = kind.possible;
+        let finite = [lsb, low, high, zero].iter().all(|value| value.is_finite());
+        if !finite || lsb == 0.0 || low > high || low < least || high > most {
+            let ends = if least.is_finite() {
+                format!("{least} <= low <= high <= {most}")
+            } else {
+                "low <= high".into()
+            };
+            return Err(Error::Codes(format!(
+                "{what} is not a range of codes: give {ends} and an LSB other than 0"
+            )));
+        }
+        if shift > MOST_DROPPED {
+            return Err(Error::Codes(format!(
+                "{what}: {shift} bits cannot be dropped; give a shift of 0 .. {MOST_DROPPED}"
+            )));
+        }
+        let (first, last) = asked.between(low, high);
+        let ty = parameter_type(kind, asked, (first, last)).ok_or_else(|| {
+            let types = kind.types.iter().filter(|ty| shift == 0 || !ty.is_signed());
+            let held = types.map(|ty| {
+                let Range { minimum, maximum } = ty.range();
+                format!("{} holds {minimum} .. {maximum}", ty.c_name())
+            });
+            let held = held.collect::<Vec<_>>().join(", ");
+            Error::Codes(format!(
+                "{what} needs codes {first} .. {last}, and {held}: use a coarser LSB, or another value of code 0"
+            ))
+        })?;
+        // Whole steps: all codes of one are accepted, or none.
+        let step = 1_i64 << shift;
+        let first = (first as i64 + step - 1).div_euclid(step);
+        let last = (last as i64 + 1).div_euclid(step) - 1;
+        if first > last {
+            let dropped = match shift {
+                0 => String::new(),
+                _ => format!(" of which {shift} bits are dropped"),
+            };
+            return Err(Error::Codes(format!("{what} holds no code{dropped}")));
+        }
+        Ok(Self {
+            name: kind.name.into(),
+            quantity: kind.quantity.into(),
+            unit: kind.unit.into(),
+            lsb,
+            zero,
+            codes: Range {
+                minimum: first * step,
+                maximum: last * step + step - 1,
+            },
+            shift,
+            ty,
+        })
+    }
+
+    /// The quantity at `code`, in `unit`: that of the middle of its step, where bits are dropped.
+    #[must_use]
+    pub fn value(&self, code: i64) -> f64 {
+        let step = 1_i64 << self.shift;
+        let middle = (code & -step) as f64 + (step - 1) as f64 / 2.0;
+        self.lsb.mul_add(middle, self.zero)
+    }
+
+    /// Width of a step of the quantity: of one code, or of those that the function takes for one.
+    #[must_use]
+    pub fn resolution(&self) -> f64 {
+        self.lsb.abs() * f64::from(self.shift).exp2()
+    }
+
+    /// The time \[us\] at `code`, of an axis in seconds, to 1e-6 us: 50 us are 50, not 49.99999999999999.
+    #[must_use]
+    pub fn us(&self, code: i64) -> f64 {
+        (self.value(code) * 1e12).round() / 1e6
+    }
+
+    /// A value of the quantity in words; a number without a unit is only a number.
+    #[must_use]
+    pub fn with_unit(&self, value: f64) -> String {
+        match self.unit.as_ref() {
+            "1" => value.to_string(),
+            unit => format!("{value} {unit}"),
+        }
+    }
+
+    /// The steps that the function tells apart: codes without the bits that it drops.
+    #[must_use]
+    pub fn steps(&self) -> Range {
+        Range {
+            minimum: self.codes.minimum >> self.shift,
+            maximum: self.codes.maximum >> self.shift,
+        }
+    }
+
+    /// The first code of step `place`, counted from the first that is accepted.
+    #[must_use]
+    pub fn code(&self, place: usize) -> i64 {
+        (self.steps().minimum + place as i64) << self.shift
+    }
+
+    /// Whether the codes fall as the quantity rises.
+    #[must_use]
+    pub fn falls(&self) -> bool {
+        self.lsb < 0.0
+    }
+
+    /// The steps between `code` and the one with the least value: never negative, and rising with the quantity.
+    #[must_use]
+    pub fn index(&self, code: i64) -> i64 {
+        let steps = self.steps();
+        if self.falls() {
+            steps.maximum - (code >> self.shift)
+        } else {
+            (code >> self.shift) - steps.minimum
+        }
+    }
+
+    /// How many codes the function tells apart.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        let steps = self.steps();
+        (steps.maximum - steps.minimum + 1) as usize
+    }
+
+    /// Never: an axis holds at least one code.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        false
+    }
+}
+
+/// Most ticks of a timer of 32 bits. The hash over all outputs is computed in the time of a logarithm, a brute-force row in
+/// proportion: 2^24 ticks of 4 ns are 67 ms.
+const MOST_TICKS: f64 = 16_777_215.0;
+
+/// The first type that holds the codes, those between the ends of the usual range included where a code outside could
+/// otherwise wrap to an accepted one.
+fn parameter_type(kind: &Kind, asked: Codes, (first, last): (f64, f64)) -> Option<IntegerType> {
+    let dropped = asked.shift > 0;
+    let holding = |first: f64, last: f64| {
+        let mut types = kind.types.iter().filter(|ty| !(dropped && ty.is_signed()));
+        let fits = |ty: &&IntegerType| {
+            let held = ty.range();
+            first >= held.minimum as f64 && last <= held.maximum as f64
+        };
+        types.find(fits).copied()
+    };
+    let (low, high) = kind.usual;
+    let usual = asked.between(low.min(asked.low), high.max(asked.high));
+    let wide = (dropped || kind.wide).then(|| holding(usual.0, usual.1));
+    wide.flatten().or_else(|| holding(first, last))
+}

@@ -1,0 +1,54 @@
+"""Options of the codes that a device has."""
+
+from dataclasses import replace
+
+from echocal.errors import UsageError
+from echocal.firmware import HumidityCodes, TemperatureCodes
+from echocal.sensors import Sensor
+
+__all__ = ["humidity_codes", "temperature_codes"]
+
+
+def temperature_codes(
+    sensor: Sensor | None, lsb: float | None, codes: str | None, zero: float | None, shift: int | None
+) -> TemperatureCodes:
+    """Return the codes of the thermometer: of a known sensor or a DS18B20, but for what is given."""
+    usual = TemperatureCodes() if sensor is None else sensor.temperature
+    found = replace(usual, **_given(lsb, zero, shift))
+    if codes is not None:
+        low, high = _range("--temperature-range", codes, "-20:60")
+        found = replace(found, low=low, high=high)
+    return found
+
+
+def humidity_codes(
+    sensor: Sensor | None, lsb: float | None, codes: str | None, zero: float | None, shift: int | None
+) -> HumidityCodes | None:
+    """Return the codes of the hygrometer; None if the device has none."""
+    usual = None if sensor is None else sensor.humidity
+    given = _given(lsb, zero, shift)
+    if usual is None and lsb is None:
+        if codes is None and not given:
+            return None
+        option = "--humidity-range" if codes is not None else f"--humidity-{min(given)}"
+        message = f"{option} needs --humidity-lsb, the step of one humidity code"
+        raise UsageError(message)
+    found = replace(usual or HumidityCodes(), **given)
+    if codes is not None:
+        low, high = _range("--humidity-range", codes, "0:1")
+        found = replace(found, low=low, high=high)
+    return found
+
+
+def _given(lsb: float | None, zero: float | None, shift: int | None) -> dict[str, float]:
+    given = {"lsb": lsb, "zero": zero, "shift": shift}
+    return {name: value for name, value in given.items() if value is not None}
+
+
+def _range(name: str, text: str, example: str) -> tuple[float, float]:
+    low, separator, high = text.partition(":")
+    try:
+        return float(low), float(high if separator else "missing")
+    except ValueError:
+        message = f"{name} is '{text}': give LOW:HIGH, as in {name}={example}"
+        raise UsageError(message) from None
