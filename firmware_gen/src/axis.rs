@@ -22,9 +22,21 @@ pub struct Axis {
     /// Bits that the function drops. All codes of a step of 2^`shift` give the same output.
     #[serde(skip_serializing_if = "is_zero")]
     pub shift: u32,
+    /// Where the codes are no multiple of a step, such as those of a thermistor.
+    #[serde(flatten, skip_serializing_if = "Option::is_none")]
+    pub curve: Option<Curve>,
     /// Type of the C parameter.
     #[serde(rename = "type")]
     pub ty: IntegerType,
+}
+
+/// A value for each code: `lsb` of the axis is the largest step between two of them.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Curve {
+    /// Values of the accepted codes, which rise or fall throughout.
+    pub values: Vec<f64>,
+    /// How they follow from the codes, in words.
+    pub scale: String,
 }
 
 #[allow(clippy::trivially_copy_pass_by_ref)] // serde passes a reference
@@ -62,7 +74,11 @@ impl Codes {
 
     /// The first and the last code between two values.
     fn between(self, low: f64, high: f64) -> (f64, f64) {
-        let (start, end) = if self.lsb > 0.0 { (low, high) } else { (high, low) };
+        let (start, end) = if self.lsb > 0.0 {
+            (low, high)
+        } else {
+            (high, low)
+        };
         let first = ((start - self.zero) / self.lsb - SLACK).ceil() + 0.0; // no -0 in a message
         (first, ((end - self.zero) / self.lsb + SLACK).floor())
     }
@@ -193,6 +209,45 @@ impl Axis {
                 maximum: last as i64,
             },
             shift: 0,
+            curve: None,
+            ty,
+        })
+    }
+
+    /// Air temperatures \[degC\] of the codes from `first` on, in `words`.
+    ///
+    /// # Errors
+    /// If there are none, if they neither rise nor fall throughout, or if a code is outside `uint16_t`.
+    pub fn thermistor(first: i64, values: Vec<f64>, words: String) -> Result<Self, Error> {
+        let ty = IntegerType::U16;
+        let codes = Range {
+            minimum: first,
+            maximum: first + values.len() as i64 - 1,
+        };
+        let steps: Vec<f64> = values.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        let one_way = steps.iter().all(|step| *step > 0.0) || steps.iter().all(|step| *step < 0.0);
+        if values.is_empty() || !one_way || !ty.range().covers(codes) {
+            return Err(Error::Codes(format!(
+                "{words}: {} temperatures of codes from {first} on are no scale: give one or more, which rise or fall throughout, of codes 0 .. 65535",
+                values.len()
+            )));
+        }
+        let lsb = steps.iter().fold(
+            0.0_f64,
+            |most, step| if step.abs() > most.abs() { *step } else { most },
+        );
+        Ok(Self {
+            name: TEMPERATURE.name.into(),
+            quantity: TEMPERATURE.quantity.into(),
+            unit: TEMPERATURE.unit.into(),
+            lsb,
+            zero: 0.0,
+            codes,
+            shift: 0,
+            curve: Some(Curve {
+                values,
+                scale: words,
+            }),
             ty,
         })
     }
@@ -223,7 +278,9 @@ impl Axis {
         let kind = found.ok_or_else(|| {
             let known: Vec<_> = KINDS.iter().map(|kind| kind.quantity).collect();
             let known = known.join(", ");
-            Error::Codes(format!("no device has codes of {quantity}; this version has those of {known}"))
+            Error::Codes(format!(
+                "no device has codes of {quantity}; this version has those of {known}"
+            ))
         })?;
         Self::condition(kind, codes)
     }
@@ -288,6 +345,7 @@ impl Axis {
                 maximum: last * step + step - 1,
             },
             shift,
+            curve: None,
             ty,
         })
     }
@@ -295,6 +353,13 @@ impl Axis {
     /// The quantity at `code`, in `unit`: that of the middle of its step, where bits are dropped.
     #[must_use]
     pub fn value(&self, code: i64) -> f64 {
+        if let Some(curve) = &self.curve {
+            let place = usize::try_from(code - self.codes.minimum).ok();
+            return place
+                .and_then(|place| curve.values.get(place))
+                .copied()
+                .unwrap_or(f64::NAN);
+        }
         let step = 1_i64 << self.shift;
         let middle = (code & -step) as f64 + (step - 1) as f64 / 2.0;
         self.lsb.mul_add(middle, self.zero)

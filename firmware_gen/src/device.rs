@@ -172,7 +172,14 @@ pub fn check_rows(conditions: &[Axis]) -> Result<(), Error> {
     }
     let counts: Vec<String> = conditions
         .iter()
-        .map(|axis| format!("{} of {} in steps of {}", axis.len(), axis.name, axis.with_unit(axis.resolution())))
+        .map(|axis| {
+            format!(
+                "{} of {} in steps of {}",
+                axis.len(),
+                axis.name,
+                axis.with_unit(axis.resolution())
+            )
+        })
         .collect();
     let bits = found.div_ceil(MOST_ROWS).next_power_of_two().ilog2();
     Err(Error::Codes(format!(

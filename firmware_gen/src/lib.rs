@@ -8,7 +8,7 @@
 //!
 //! 1. `types`: integer types of C and their ranges. `error`: the errors. `affine`, `jet`, `minimax`: numerics. `hash`:
 //!    the hash of all outputs.
-//! 2. `output`: the unit of the result.
+//! 2. `output`: the unit and the type of the result.
 //! 3. `axis`: the codes of one quantity. `device`: all that the device measures.
 //! 4. `ir`: programs of exact integer operations, and the twin.
 //! 5. `reference`: the model that a program must follow. `target`: costs on each core.
@@ -37,8 +37,8 @@ pub mod reference;
 pub mod target;
 pub mod types;
 
+pub use axis::{Axis, Codes, Curve};
 pub use design::{Design, Failure, Progress, Reachable, Request, design};
-pub use axis::{Axis, Codes};
 pub use device::{Device, Status};
 pub use emit::{Measurement, Package, Provenance, Uncertainty, emit};
 pub use error::Error;

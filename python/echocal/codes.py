@@ -5,6 +5,8 @@ from dataclasses import astuple, dataclass, fields
 from numbers import Real
 from typing import Any, TypeVar
 
+import numpy as np
+
 from echocal.errors import UsageError
 
 __all__ = ["EchoCodes", "HumidityCodes", "TemperatureCodes", "codes_of", "count", "numbers", "value_at"]
@@ -139,6 +141,8 @@ def value_at(axis: Mapping[str, Any], code: Any) -> Any:
     >>> value_at({"lsb": 0.25, "zero": -10.0, "shift": 2}, 41)
     0.375
     """
+    if "values" in axis:
+        return np.asarray(axis["values"])[code - axis["codes"]["minimum"]]
     step = 1 << axis.get("shift", 0)
     return axis["zero"] + axis["lsb"] * ((code & -step) + (step - 1) / 2)
 

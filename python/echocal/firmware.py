@@ -23,8 +23,9 @@ from echocal.model.origin import diagnosed
 from echocal.model.uncertainty import stated
 from echocal.registry import find_effect
 from echocal.reserved import RESERVED
+from echocal.thermistor import ThermistorCodes
 
-__all__ = ["EchoCodes", "Firmware", "HumidityCodes", "TemperatureCodes", "generate"]
+__all__ = ["EchoCodes", "Firmware", "HumidityCodes", "TemperatureCodes", "ThermistorCodes", "generate"]
 
 Progress = Callable[[str, int, int], object]
 
@@ -34,16 +35,18 @@ _WITHOUT_C = ("micropython", "rust")
 _DS18B20 = TemperatureCodes()
 _NAME = re.compile(r"[a-z][a-z0-9]*(_[a-z0-9]+)*")  # valid in C, C++ and Python; no two differ by case alone
 _LONGEST_NAME = 19  # C99 compares 31 characters of an external name (5.2.4.1); _output_hash has 12
+_SUFFIXES = dict(_core.output_units())
 
 
 def generate(
     model: Model,
     target: str = "c99",
     *,
-    temperature: TemperatureCodes | tuple[float, float, float] = _DS18B20,
+    temperature: TemperatureCodes | ThermistorCodes | tuple[float, float, float] = _DS18B20,
     humidity: HumidityCodes | tuple[float, float, float] | None = None,
     echo: echoes.Echo = None,
     output_unit: str = "um",
+    output_type: str | None = None,
     max_error: float = 0.5e-3,
     max_distance: float = 4.0,
     prefer: str = "size",
@@ -67,9 +70,10 @@ def generate(
         The model to follow. It gives the true distance from echo time and temperature.
     target : str
         Core that the C is for: ``"avr"``, ``"cortex-m0"``, ``"cortex-m3"``, ``"cortex-m4f"``, ``"rv32"``,
-        ``"rv32e"`` (without multiplier), or ``"c99"``, any compiler with ``stdint.h``.
-    temperature : TemperatureCodes or tuple of (lsb, low, high)
-        Codes of the thermometer [degC].
+        ``"rv32e"`` (without multiplier), or ``"c99"``, any compiler with ``stdint.h``. ``"cortex-m4"``,
+        ``"cortex-m7"``, ``"esp32"``, ``"rp2040"`` and ``"msp430"`` give the C of ``"c99"``.
+    temperature : TemperatureCodes, ThermistorCodes or tuple of (lsb, low, high)
+        Codes of the thermometer [degC], or of a converter that measures a thermistor in a divider.
     humidity : HumidityCodes or tuple of (lsb, low, high), optional
         Codes of the hygrometer [1]; default: the device has none. `echocal.sensors.SENSORS` has those of
         known parts.
@@ -77,8 +81,12 @@ def generate(
         Longest and shortest accepted echo time [us], and tick `lsb` of the timer [us], 1 us by default.
         The default of the shortest is the earliest echo from `echocal.echoes.BLANKING_M`. The default of the
         longest is the latest echo from `max_distance`. Both cover all conditions that the device accepts.
-    output_unit : {"um", "mm", "cm"}
-        Unit of the output. It is also the end of the function's name: ``echocal_distance_um``.
+    output_unit : str
+        Unit of the output: ``"um"``, ``"0.1mm"``, ``"mm"``, ``"cm"``, ``"0.01in"``, ``"in"``, or meters as a
+        binary fixed-point number: ``"Q16.16"``, ``"Q8.24"``, ``"Q8.8"``, ``"Q4.12"``, ``"Q3.13"``. It is also
+        the end of the function's name: ``echocal_distance_um``, ``echocal_distance_q16_16``.
+    output_type : {"int32", "int16"}, optional
+        Type of the output; default: ``"int32"``, and for Q formats of 16 bits ``"int16"``.
     max_error : float
         Largest error against the model at distances up to `max_distance` [m]; 0.5 mm is ``0.5e-3``.
     max_distance : float
@@ -148,8 +156,13 @@ def generate(
     if measure and package in _WITHOUT_C:
         message = f"measure needs C, and the package {package} contains none: choose another package"
         raise UsageError(message)
-    _refuse_name(name)
-    codes = _above_absolute_zero(codes_of("temperature", TemperatureCodes, temperature))
+    _refuse_name(name, output_unit)
+    thermistor = temperature if isinstance(temperature, ThermistorCodes) else None
+    codes = _above_absolute_zero(
+        TemperatureCodes(1.0, thermistor.low, thermistor.high)
+        if thermistor
+        else codes_of("temperature", TemperatureCodes, temperature)
+    )
     humidity_codes = None if humidity is None else codes_of("humidity", HumidityCodes, humidity)
     assume = _mapped(assume)
     if humidity_codes is not None and "relative_humidity" in assume:
@@ -163,8 +176,10 @@ def generate(
         "prefer": prefer,
         "form": form,
         "temperature": numbers("temperature", codes),
+        "thermistor": None if thermistor is None else (*thermistor.scale(), thermistor.words()),
         "humidity": None if humidity_codes is None else numbers("humidity", humidity_codes),
         "output_unit": output_unit,
+        "output_type": output_type,
         "maximum_error": float(max_error),
         "maximum_distance": float(max_distance),
         "maximum_table": count("max_table_bytes", max_table_bytes, 2**31 - 1, least=0),
@@ -182,7 +197,7 @@ def generate(
     request["echo"] = times.codes
     texts = _texts(uncertainties)
     known = Uncertainties.of(texts)
-    request["command"] = _command(request, model_name, assume, texts, measure)
+    request["command"] = _command(request, model_name, assume, texts, measure, thermistor)
     try:
         core = _core.design_firmware(model._core, request, progress)
     except BoundError as error:
@@ -198,11 +213,12 @@ def generate(
     return _firmware(core, [one.to_dict() for one in found if one is not None], budget)
 
 
-def _refuse_name(name: str) -> None:
-    if not isinstance(name, str) or not _NAME.fullmatch(name) or len(name) > _LONGEST_NAME:
+def _refuse_name(name: str, unit: str) -> None:
+    longest = _LONGEST_NAME - max(0, len(_SUFFIXES.get(unit, "")) - len("um"))
+    if not isinstance(name, str) or not _NAME.fullmatch(name) or len(name) > longest:
         message = (
             f"{keyword('name', name)} cannot begin names of functions and files: give lower-case letters, "
-            f"digits and single underscores, a letter first, at most {_LONGEST_NAME} characters"
+            f"digits and single underscores, a letter first, at most {longest} characters"
         )
         raise UsageError(message)
     if name in RESERVED:
@@ -299,6 +315,7 @@ def _command(
     assume: Mapping[str, float],
     uncertainties: list[str],
     measure: bool,
+    thermistor: ThermistorCodes | None,
 ) -> str:
     """Return the command line that makes the same files again."""
     tick, shortest, longest, bits = request["echo"]
@@ -307,7 +324,8 @@ def _command(
         "firmware",
         model_name,
         target=request["target"],
-        **_codes("temperature", request["temperature"]),
+        ntc=None if thermistor is None else thermistor.text(),
+        **_codes("temperature", request["temperature"], stepped=thermistor is None),
         **_codes("humidity", request["humidity"]),
         echo_lsb_us=None if tick == 1.0 else tick,
         echo_bits=None if bits == 16 else bits,
@@ -315,6 +333,7 @@ def _command(
         echo_max_us=longest,
         max_error_mm=_millimeters(request["maximum_error"]),
         output_unit=None if unit == "um" else unit,
+        output_type=request["output_type"],
         max_distance_m=request["maximum_distance"],
         prefer=request["prefer"],
         form=request["form"] or None,
@@ -335,13 +354,15 @@ def _millimeters(size: float) -> float:
     return next((text for text in texts if text * 1e-3 == size), size * 1e3)
 
 
-def _codes(name: str, codes: tuple[float, float, float, float, int] | None) -> dict[str, Any]:
+def _codes(
+    name: str, codes: tuple[float, float, float, float, int] | None, *, stepped: bool = True
+) -> dict[str, Any]:
     """Options of the codes of a quantity; none if it is not measured."""
     if codes is None:
         return {}
     lsb, low, high, zero, shift = codes
     return {
-        f"{name}_lsb": lsb,
+        f"{name}_lsb": lsb if stepped else None,
         f"{name}_range": f"{exact(low)}:{exact(high)}",
         f"{name}_zero": zero or None,
         f"{name}_shift": shift or None,

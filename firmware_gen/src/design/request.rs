@@ -45,9 +45,6 @@ pub struct Design {
     pub proof: Proof,
 }
 
-/// Output for codes that the function does not accept: `INT32_MIN`.
-pub const OUT_OF_RANGE: i32 = i32::MIN;
-
 impl Design {
     /// What the generated function returns for `inputs`, also for codes out of range.
     #[must_use]
@@ -60,7 +57,7 @@ impl Design {
             .flatten();
         output
             .and_then(|output| i32::try_from(output).ok())
-            .unwrap_or(OUT_OF_RANGE)
+            .unwrap_or(device.output.out_of_range())
     }
 }
 

@@ -5,7 +5,7 @@ use crate::error::Error;
 use crate::form::{Fit, Form, TEMPERATURE_FORMS, TWO_CONDITION_FORMS, Tail, reads_two};
 use crate::ir::{Builder, Program};
 use crate::prove::{Claim, Proof, Straight, prove};
-use crate::reference::{Line, check_bounded, sample};
+use crate::reference::{Line, check_bounded, check_type, sample};
 use crate::target::Cost;
 use std::rc::Rc;
 
@@ -87,6 +87,7 @@ impl<'a> Search<'a> {
         let picked = device.thinned(COLUMNS);
         let lines = sample(reference, device, &picked, maximum_distance)?;
         check_bounded(reference, device, &lines, maximum_distance)?;
+        check_type(reference, device, &picked)?;
         let truths = lines.iter().flat_map(Line::samples);
         let farthest = truths.fold(0.0_f64, |most, (_, truth)| {
             most.max((truth - truth.round()).abs())

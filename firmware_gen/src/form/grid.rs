@@ -2,7 +2,7 @@
 
 use super::contract::{Fit, Form};
 use super::plane::Plane;
-use super::steps::{floor_shift, second_index, plus, temperature_index};
+use super::steps::{floor_shift, plus, second_index, temperature_index};
 use crate::ir::{Builder, TableId, Value};
 use crate::minimax::horner;
 

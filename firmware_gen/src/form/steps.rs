@@ -17,11 +17,14 @@ pub(super) fn temperature_index(builder: &mut Builder<'_>) -> Value {
 pub(super) fn temperature_index_from(builder: &mut Builder<'_>, before: i64) -> Value {
     let axis = &builder.device().conditions[0];
     let first = axis.steps().minimum - before;
-    let note = format!(
-        "temperature code minus the code of {} {}",
-        axis.value(first << axis.shift),
-        axis.unit
-    );
+    let note = match (&axis.curve, before) {
+        (Some(_), 1..) => format!("temperature code minus {first}"),
+        _ => format!(
+            "temperature code minus the code of {} {}",
+            axis.value(first << axis.shift),
+            axis.unit
+        ),
+    };
     let code = builder.condition(0);
     if first == 0 {
         return code;

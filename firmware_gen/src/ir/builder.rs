@@ -125,7 +125,12 @@ impl<'a> Builder<'a> {
             let low: Vec<i64> = self.picked.iter().map(code).collect();
             let dropped = (1_i64 << axis.shift) - 1;
             let high = low.iter().map(|code| code + dropped).collect();
-            self.append(Operation::Input(index + 1), Rows { low, high }, axis.ty, false)
+            self.append(
+                Operation::Input(index + 1),
+                Rows { low, high },
+                axis.ty,
+                false,
+            )
         });
         if axis.shift == 0 {
             return input;
@@ -258,10 +263,11 @@ impl<'a> Builder<'a> {
         value
     }
 
-    /// The finished program, or nothing if some value fits no type or the result is outside `int32_t`.
+    /// The finished program, or nothing if some value fits no type or the result is no distance of the output's type.
     #[must_use]
     pub fn finish(self, result: Value) -> Option<Program> {
-        let fits = IntegerType::I32.range().covers(self.range(result));
+        let output = self.device.output;
+        let fits = output.distances().covers(self.range(result));
         let inputs = self
             .device
             .axes()
@@ -272,6 +278,7 @@ impl<'a> Builder<'a> {
             tables: self.tables,
             nodes: self.nodes,
             result,
+            output: output.ty,
             middle_bytes: false,
         })
     }

@@ -109,8 +109,10 @@ pub struct Program {
     pub tables: Vec<Table>,
     /// Steps, operands before readers.
     pub nodes: Vec<Node>,
-    /// What the function returns, always within `int32_t`.
+    /// What the function returns, always a distance of the type of the output.
     pub result: Value,
+    /// The type of the output.
+    pub output: IntegerType,
     /// Whether C names the middle bytes of a product instead of shifting it by a byte.
     pub middle_bytes: bool,
 }

@@ -49,7 +49,11 @@ impl Lowered {
 
     fn distance(&self, time: f64, at: &Conditions<f64>) -> f64 {
         let mut found = [0.0];
-        let values: Vec<f64> = self.measured.iter().map(|one: &Quantity| at.get(*one)).collect();
+        let values: Vec<f64> = self
+            .measured
+            .iter()
+            .map(|one: &Quantity| at.get(*one))
+            .collect();
         crate::reference::Reference::distances(self, &values, &[time], &mut found);
         found[0]
     }
@@ -59,8 +63,13 @@ impl Lowered {
 fn grid(device: &Device, place: usize) -> Vec<Vec<f64>> {
     let mut rows = vec![Vec::new()];
     for (index, axis) in device.conditions.iter().enumerate() {
-        let count = if index == place { axis.len() } else { axis.len().min(STEPS + 1) };
-        let value = |step: usize| axis.value(axis.code(step * (axis.len() - 1) / (count - 1).max(1)));
+        let count = if index == place {
+            axis.len()
+        } else {
+            axis.len().min(STEPS + 1)
+        };
+        let value =
+            |step: usize| axis.value(axis.code(step * (axis.len() - 1) / (count - 1).max(1)));
         let values: Vec<f64> = (0..count).map(value).collect();
         rows = rows
             .iter()

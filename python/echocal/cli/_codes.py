@@ -5,11 +5,12 @@ from dataclasses import replace
 from echocal.errors import UsageError
 from echocal.firmware import HumidityCodes, TemperatureCodes
 from echocal.sensors import Sensor
+from echocal.thermistor import ThermistorCodes, thermistor_of
 
-__all__ = ["humidity_codes", "temperature_codes"]
+__all__ = ["humidity_codes", "thermometer"]
 
 
-def temperature_codes(
+def _temperature_codes(
     sensor: Sensor | None, lsb: float | None, codes: str | None, zero: float | None, shift: int | None
 ) -> TemperatureCodes:
     """Return the codes of the thermometer: of a known sensor or a DS18B20, but for what is given."""
@@ -19,6 +20,26 @@ def temperature_codes(
         low, high = _range("--temperature-range", codes, "-20:60")
         found = replace(found, low=low, high=high)
     return found
+
+
+def thermometer(
+    ntc: str | None,
+    sensor: Sensor | None,
+    lsb: float | None,
+    codes: str | None,
+    zero: float | None,
+    shift: int | None,
+) -> TemperatureCodes | ThermistorCodes:
+    """Return the codes of a thermistor if there is one, else those of the thermometer."""
+    if ntc is None:
+        return _temperature_codes(sensor, lsb, codes, zero, shift)
+    if sensor is not None or _given(lsb, zero, shift):
+        message = (
+            "--ntc states the codes of the thermometer: leave out --sensor, --temperature-lsb, "
+            "--temperature-zero and --temperature-shift"
+        )
+        raise UsageError(message)
+    return thermistor_of(ntc, *_range("--temperature-range", codes or "-20:60", "-20:60"))
 
 
 def humidity_codes(

@@ -21,7 +21,7 @@ from rich.table import Table
 from echocal import silicon
 from echocal.checksums import CHECKSUMS, listed, unedited
 from echocal.cli import _explore, _made_by
-from echocal.cli._codes import humidity_codes, temperature_codes
+from echocal.cli._codes import humidity_codes, thermometer
 from echocal.cli._complete import targets
 from echocal.cli._console import Console
 from echocal.cli._outputs import Force, Output, check_outputs, made_in, pass_on
@@ -48,11 +48,18 @@ def command(
     target: Annotated[
         str,
         typer.Option(
-            help="Core: avr, cortex-m0, cortex-m3, cortex-m4f, rv32, rv32e or c99.", autocompletion=targets
+            help="Core: avr, cortex-m0, -m3, -m4, -m4f, -m7, rv32, rv32e, esp32, rp2040, msp430 or c99.",
+            autocompletion=targets,
         ),
     ] = "c99",
     sensor: Annotated[
         str | None, option("Known sensor, such as SHT31: its published codes are the default.")
+    ] = None,
+    ntc: Annotated[
+        str | None,
+        option(
+            "Thermistor on a converter: divider=OHM,beta=K,r25=OHM,bits=10,side=ground", metavar="KEY=VALUE,..."
+        ),
     ] = None,
     temperature_lsb: Annotated[
         float | None, option("Step of one temperature code [degC]; default: 0.0625.")
@@ -89,7 +96,10 @@ def command(
         option("Longest accepted echo time [us]; default: the echo from --max-distance-m.", "--echo-max-us"),
     ] = None,
     bits: Annotated[int, option("Bits of the timer: 16, or 32 for a uint32_t.", "--echo-bits")] = 16,
-    output_unit: Annotated[str, option("Unit of the output: um, mm or cm.")] = "um",
+    output_unit: Annotated[
+        str, option("Unit of the output: um, 0.1mm, mm, cm, 0.01in, in, Q16.16 and more.")
+    ] = "um",
+    output_type: Annotated[str | None, option("Type of the output: int32 (default) or int16.")] = None,
     max_error_mm: Annotated[float, option("Largest error against the model [mm].")] = 0.5,
     max_distance: Annotated[
         float, option("Largest distance to which --max-error-mm applies [m].", "--max-distance-m")
@@ -142,12 +152,13 @@ def command(
     _refuse_outputs(model, json, out, _explore.FILES if explore else listed(out), page, force=force)
     known = None if sensor is None else sensor_of(sensor)
     request: dict[str, Any] = {
-        "temperature": temperature_codes(
-            known, temperature_lsb, temperature_range, temperature_zero, temperature_shift
+        "temperature": thermometer(
+            ntc, known, temperature_lsb, temperature_range, temperature_zero, temperature_shift
         ),
         "humidity": humidity_codes(known, humidity_lsb, humidity_range, humidity_zero, humidity_shift),
         "echo": EchoCodes(lsb, longest, shortest, bits),
         "output_unit": output_unit,
+        "output_type": output_type,
         "max_error": max_error_mm * 1e-3,
         "max_distance": max_distance,
         "accept": accept or (),
@@ -215,6 +226,8 @@ def _proving(tell: Tell) -> Tell:
 
 
 def _unmeasured(target: str) -> list[str]:
+    if not silicon.cores_of(target):
+        return [f"not measured: no simulator of {target} is known to this version"]
     absent = {core: silicon.missing(core) for core in silicon.cores_of(target)}
     return [f"not measured on {core}: no {', '.join(tools)}" for core, tools in absent.items() if tools]
 

@@ -7,12 +7,15 @@
 #include "echocal_selftest.h"
 #endif
 
-/* The function's name and the types of its codes, where they are others than most. */
+/* The function's name, its type and those of its codes, where they are others than most. */
 #ifndef DISTANCE
 #define DISTANCE echocal_distance_um
 #endif
 #ifndef CODE
 #define CODE int16_t
+#endif
+#ifndef RESULT
+#define RESULT int32_t
 #endif
 #ifndef DAMP
 #define DAMP uint8_t
@@ -56,10 +59,10 @@ enum { WRITE0 = 0x04, EXIT = 0x18, CALLS = 2000, DEEP = 1024, PAINT = 0xA5 };
 volatile int32_t sink;
 
 /* One instruction, its return. */
-static int32_t __attribute__((noinline)) nothing(ARGUMENTS)
+static RESULT __attribute__((noinline)) nothing(ARGUMENTS)
 {
     (void)code;
-    return echo;
+    return (RESULT)echo;
 }
 
 #ifdef __riscv
@@ -130,9 +133,9 @@ static uint64_t hash_of_all(void)
 #else
 
 /* Ticks that CALLS calls take. */
-static uint32_t time_of(int32_t (*volatile function)(TYPES), int32_t echo, int32_t code, int32_t damp)
+static uint32_t time_of(RESULT (*volatile function)(TYPES), int32_t echo, int32_t code, int32_t damp)
 {
-    int32_t (*const called)(TYPES) = function;
+    RESULT (*const called)(TYPES) = function;
     uint32_t start = now();
     int32_t count;
     (void)damp;
@@ -143,7 +146,7 @@ static uint32_t time_of(int32_t (*volatile function)(TYPES), int32_t echo, int32
 }
 
 /* Bytes below the caller's stack that a call writes to. */
-static uint32_t __attribute__((noinline)) stack_of(int32_t (*volatile function)(TYPES))
+static uint32_t __attribute__((noinline)) stack_of(RESULT (*volatile function)(TYPES))
 {
     uintptr_t here, place;
     __asm__ volatile(MOVE " %0, sp" : "=r"(here));

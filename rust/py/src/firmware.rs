@@ -1,8 +1,9 @@
 //! Firmware: a request in, texts and the bit-exact twin out.
 
 use echocal_core::{Conditions, Quantity};
-use echocal_firmware::lower::{Lowered, Omission, describe, lower, lower_without_echo};
 use echocal_firmware::device::check_rows;
+use echocal_firmware::lower::{Lowered, Omission, describe, lower, lower_without_echo};
+use echocal_firmware::output::OUTPUTS;
 use echocal_firmware::target;
 use echocal_firmware::{
     Axis, Codes, Design, Device, Error, Measurement, Output, Package, Prefer, Progress, Provenance,
@@ -151,10 +152,13 @@ pub struct FirmwareRequest {
     prefer: String,
     form: Option<String>,
     temperature: Condition,
+    /// In place of those codes: the first code, temperatures from it on \[degC\], and words.
+    thermistor: Option<Scale>,
     humidity: Option<Condition>,
     /// Tick, shortest and longest echo time \[us\], bits of the timer.
     echo: (f64, f64, f64, u32),
     output_unit: String,
+    output_type: Option<String>,
     maximum_error: f64,
     maximum_distance: f64,
     maximum_table: usize,
@@ -170,11 +174,27 @@ pub struct FirmwareRequest {
     outside_domain: Vec<String>,
 }
 
+/// Names of targets: those with a core of their own, and those that the C of the first is for, too.
+#[pyfunction]
+pub fn firmware_targets() -> (Vec<&'static str>, Vec<&'static str>) {
+    let own = target::TARGETS.iter().map(|target| target.name);
+    (own.collect(), target::ALSO.to_vec())
+}
+
+/// Names of the units of an output, each with the end of the function's name.
+#[pyfunction]
+pub fn output_units() -> Vec<(&'static str, &'static str)> {
+    let names = OUTPUTS.iter().map(|output| (output.unit, output.suffix()));
+    names.collect()
+}
+
 /// What the echo times of a device depend on.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub struct EchoTimesRequest {
     temperature: Condition,
+    /// In place of those codes: the first code, temperatures from it on \[degC\], and words.
+    thermistor: Option<Scale>,
     humidity: Option<Condition>,
     maximum_distance: f64,
     accept: Vec<String>,
@@ -192,7 +212,7 @@ pub fn echo_times(
     let model = &model.model;
     let mut interrupted = None;
     let found = py.detach(|| {
-        let conditions = conditions(request.temperature, request.humidity)?;
+        let conditions = conditions(request.temperature, &request.thermistor, request.humidity)?;
         let assumed = Conditions::new(request.assumed);
         let (accept, far) = (&request.accept, request.maximum_distance);
         let lowered = lower_without_echo(model, &conditions, &assumed, accept, far)?;
@@ -256,15 +276,22 @@ fn device(request: &FirmwareRequest) -> Result<Device, Error> {
     let (tick, shortest, longest, bits) = request.echo;
     Ok(Device {
         echo: Axis::timer(tick, shortest, longest, bits)?,
-        conditions: conditions(request.temperature, request.humidity)?,
-        output: Output::parse(&request.output_unit)?,
+        conditions: conditions(request.temperature, &request.thermistor, request.humidity)?,
+        output: Output::parse(&request.output_unit)?.typed(request.output_type.as_deref())?,
     })
 }
 
 /// LSB, lowest and highest value, the value of code 0, and the bits that the function drops.
 type Condition = (f64, f64, f64, f64, u32);
 
-fn conditions(temperature: Condition, humidity: Option<Condition>) -> Result<Vec<Axis>, Error> {
+/// The first code, temperatures from it on \[degC\], and words.
+type Scale = (i64, Vec<f64>, String);
+
+fn conditions(
+    temperature: Condition,
+    thermistor: &Option<Scale>,
+    humidity: Option<Condition>,
+) -> Result<Vec<Axis>, Error> {
     let axis = |quantity: &str, (lsb, low, high, zero, shift): Condition| {
         let codes = Codes {
             lsb,
@@ -275,7 +302,10 @@ fn conditions(temperature: Condition, humidity: Option<Condition>) -> Result<Vec
         };
         Axis::of(quantity, codes)
     };
-    let mut axes = vec![axis("temperature", temperature)?];
+    let mut axes = vec![match thermistor {
+        Some((first, values, words)) => Axis::thermistor(*first, values.clone(), words.clone())?,
+        None => axis("temperature", temperature)?,
+    }];
     if let Some(humidity) = humidity {
         axes.push(axis("relative_humidity", humidity)?);
     }
@@ -305,7 +335,7 @@ fn meet(
 ) -> Result<CoreFirmware, Failure> {
     let package = Package::parse(&request.package)?; // before the proof, which may take a minute
     let device = device(request)?;
-    package.check(&device.echo)?;
+    package.check(&device)?;
     let lowered = lowered(model, &device, request)?;
     let search = Request {
         reference: &lowered,

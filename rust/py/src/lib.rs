@@ -43,7 +43,9 @@ mod _core {
     #[pymodule_export]
     use super::domain::{departure, departure_names, departures};
     #[pymodule_export]
-    use super::firmware::{CoreFirmware, design_firmware, echo_times};
+    use super::firmware::{
+        CoreFirmware, design_firmware, echo_times, firmware_targets, output_units,
+    };
     #[pymodule_export]
     use super::infer::{
         averaged_out, fit_hypotheses, imitations, mean_squares_left, posterior, preferred_form,

@@ -91,7 +91,11 @@ pub(super) fn propose(fit: &Fit<'_>) -> Vec<Box<dyn Form>> {
             .into_iter()
             .map(Base::new)
             .collect();
-        let kept = if fit.core.byte_shifts { 1 } else { SHIFTS.len() };
+        let kept = if fit.core.byte_shifts {
+            1
+        } else {
+            SHIFTS.len()
+        };
         for bits in places(&SHIFTS[..kept], fit) {
             let slopes = forms(&plane.ideal(lines, 1, bits));
             let bends: Vec<Option<(Priced, u32)>> = if degree == 1 {
