@@ -30,6 +30,7 @@ __all__ = ["EchoCodes", "Firmware", "HumidityCodes", "TemperatureCodes", "Thermi
 Progress = Callable[[str, int, int], object]
 
 _ABSOLUTE_ZERO = -273.15  # degC
+_WIDEST = 64  # bits
 _MOST_THREADS = 65_535  # set by hand, far above any machine
 _WITHOUT_C = ("micropython", "rust")
 _DS18B20 = TemperatureCodes()
@@ -54,6 +55,7 @@ def generate(
     accept: Iterable[str] = (),
     assume: Mapping[str, float] | None = None,
     max_table_bytes: int = 1024,
+    max_bits: int = 64,
     package: str = "c",
     name: str = "echocal",
     uncertainties: Iterable[str] | Mapping[str, float] = (),
@@ -104,6 +106,9 @@ def generate(
         ``{"relative_humidity": 0.5}``; default: the air of the model.
     max_table_bytes : int
         Largest size of all tables together [byte].
+    max_bits : {32, 64}
+        Widest integer that the function computes with; 32 for a compiler without ``int64_t``, or to save the
+        library's product of 64 bits. ``report["widest_bits"]`` states what it needs.
     package : {"c", "arduino", "platformio", "esphome", "micropython", "esp-idf", "zephyr", "rust"}
         Kind of files: plain C with its self-test, an Arduino library with an example sketch, a
         PlatformIO project with the library in it, an external component for ESPHome, a module for
@@ -183,6 +188,7 @@ def generate(
         "maximum_error": float(max_error),
         "maximum_distance": float(max_distance),
         "maximum_table": count("max_table_bytes", max_table_bytes, 2**31 - 1, least=0),
+        "widest": _bits(max_bits),
         "threads": _threads(n_threads),
         "accept": [find_effect(effect).id for effect in ([accept] if isinstance(accept, str) else accept)],
         "assumed": air,
@@ -305,6 +311,13 @@ def _assumed(model: Model, assume: Mapping[str, float]) -> list[float]:
     return [float(value[0]) for value in values]
 
 
+def _bits(widest: int) -> int:
+    if widest not in (32, _WIDEST):
+        message = f"{keyword('max_bits', widest)} is no width of an integer: give 32 or {_WIDEST}"
+        raise UsageError(message)
+    return widest
+
+
 def _threads(wanted: int | None) -> int:
     return count("n_threads", (os.cpu_count() or 1) if wanted is None else wanted, _MOST_THREADS, least=1)
 
@@ -338,6 +351,7 @@ def _command(
         prefer=request["prefer"],
         form=request["form"] or None,
         max_table_bytes=request["maximum_table"],
+        max_bits=None if request["widest"] == _WIDEST else request["widest"],
         package=None if package == "c" else package,
         name=None if request["name"] == "echocal" else request["name"],
         accept=request["accept"],

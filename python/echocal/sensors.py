@@ -31,8 +31,8 @@ class Sensor:
     note: str = ""
 
 
-# Bits are dropped where all combinations of the codes would be too many to prove. The steps that are left, 0.04 to
-# 0.05 degC and 0.4 to 0.5 %, are a quarter or less of the sensors' own limits of error.
+# Bits are dropped where all combinations of the codes would be too many to prove. The steps that are left,
+# 0.04 to 0.05 degC and 0.4 to 0.5 %, are a quarter or less of the sensors' own limits of error.
 _SHT_T = TemperatureCodes(175 / 65_535, -20.0, 60.0, -45.0, 4)
 _HTU_T = TemperatureCodes(175.72 / 65_536, -20.0, 60.0, -46.85, 4)
 _HTU_H = HumidityCodes(1.25 / 65_536, 0.0, 1.0, -0.06, 8)
@@ -63,7 +63,7 @@ SENSORS: Mapping[str, Sensor] = {
         _SIGNED,
     ),
     "DS18B20": Sensor(TemperatureCodes(), None, "Maxim, DS18B20 datasheet 19-7487, table 1"),
-    "HTU21D": Sensor(_HTU_T, _HTU_H, "TE Connectivity, HTU21D datasheet HPC199_6, section: conversion of signals"),
+    "HTU21D": Sensor(_HTU_T, _HTU_H, "TE Connectivity, HTU21D datasheet HPC199_6, conversion of signals"),
     "SHT3X": Sensor(
         _SHT_T,
         HumidityCodes(1 / 65_535, 0.0, 1.0, 0.0, 8),
@@ -76,7 +76,9 @@ SENSORS: Mapping[str, Sensor] = {
     ),
     "SI7021": Sensor(_HTU_T, _HTU_H, "Silicon Labs, Si7021-A20 datasheet, sections 5.1.1 and 5.1.2"),
     "TMP117": Sensor(
-        TemperatureCodes(0.0078125, -20.0, 60.0), None, "Texas Instruments, TMP117 datasheet SNOSD82, section 7.6"
+        TemperatureCodes(0.0078125, -20.0, 60.0),
+        None,
+        "Texas Instruments, TMP117, SNOSD82, section 7.6",
     ),
 }
 """Sensors by name."""

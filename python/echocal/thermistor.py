@@ -1,8 +1,10 @@
 """Codes of a thermistor in a voltage divider, on a converter."""
 
+import itertools
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 from echocal.codes import count
 from echocal.errors import UsageError
@@ -69,7 +71,9 @@ class ThermistorCodes:
         _positive("divider", self.divider)
         given = [self.beta is not None or self.r25 is not None, self.coefficients is not None]
         if sum([*given, self.table is not None]) != 1:
-            message = "a thermistor has beta and r25, or the coefficients a, b and c, or a table: give one of them"
+            message = (
+                "a thermistor has beta and r25, or coefficients a, b and c, or a table: give one of them"
+            )
             raise UsageError(message)
         if given[0]:
             _positive("beta", self.beta)
@@ -78,15 +82,15 @@ class ThermistorCodes:
             self._check_table(self.table)
 
     def _check_table(self, table: tuple[tuple[float, float], ...]) -> None:
-        pairs = list(zip(table, table[1:], strict=False))
+        pairs = list(itertools.pairwise(table))
         falls = all(one[0] < two[0] and one[1] > two[1] > 0 for one, two in pairs)
         if not pairs or not falls or table[0][0] <= -_ZERO:
-            message = "a thermistor's table needs two rows or more: temperatures that rise, resistances that fall"
+            message = "a thermistor's table needs two rows: temperatures that rise, resistances that fall"
             raise UsageError(message)
         if table[0][0] > self.low or table[-1][0] < self.high:
             message = (
-                f"the thermistor's table is from {table[0][0]:g} to {table[-1][0]:g} degC, and {self.low:g} to "
-                f"{self.high:g} degC are to be accepted: give a longer table or a smaller range"
+                f"the thermistor's table is from {table[0][0]:g} to {table[-1][0]:g} degC, and "
+                f"{self.low:g} to {self.high:g} degC are to be accepted: give more rows or a smaller range"
             )
             raise UsageError(message)
 
@@ -99,8 +103,8 @@ class ThermistorCodes:
             a, b, c = self.coefficients
             inverse = a + b * log + c * log**3
         else:
-            assert self.beta is not None  # noqa: S101
-            assert self.r25 is not None  # noqa: S101
+            assert self.beta is not None
+            assert self.r25 is not None
             inverse = 1.0 / (_ROOM + _ZERO) + (log - math.log(self.r25)) / self.beta
         return 1.0 / inverse - _ZERO if inverse > 0.0 else math.inf
 
@@ -119,15 +123,16 @@ class ThermistorCodes:
         inside = [code for code, value in enumerate(values) if self.low <= value <= self.high]
         if len(inside) < 2 or inside[-1] - inside[0] + 1 != len(inside):
             message = (
-                f"a thermistor with {self.text()} has {len(inside)} codes in one piece from {self.low:g} to "
-                f"{self.high:g} degC: look at its data, or give another range ({keyword('temperature_range')})"
+                f"a thermistor with {self.text()} has {len(inside)} codes in one piece from "
+                f"{self.low:g} to {self.high:g} degC: look at its data, or give another range "
+                f"({keyword('temperature_range')})"
             )
             raise UsageError(message)
         return inside[0], values[inside[0] : inside[-1] + 1]
 
     def text(self) -> str:
         """What it is, as the command reads it."""
-        words = {"divider": exact(self.divider), "bits": self.bits, "side": self.side}
+        words: dict[str, Any] = {"divider": exact(self.divider), "bits": self.bits, "side": self.side}
         if self.table is not None:
             words["table"] = "/".join(f"{exact(at)}:{exact(value)}" for at, value in self.table)
         elif self.coefficients is not None:
@@ -157,7 +162,7 @@ def thermistor_of(text: str, low: float, high: float) -> ThermistorCodes:
     for part in text.split(","):
         key, _, value = part.partition("=")
         if key not in keys or not value or key in given:
-            message = f"'{part}' of the thermistor is no KEY=VALUE with a key of its own: keys are {', '.join(keys)}"
+            message = f"'{part}' of the thermistor is no KEY=VALUE; keys are {', '.join(keys)}"
             raise UsageError(message)
         given[key] = value
     try:
@@ -170,8 +175,8 @@ def thermistor_of(text: str, low: float, high: float) -> ThermistorCodes:
         raise UsageError(message) from None
 
 
-def _read(given: Mapping[str, str]) -> dict[str, object]:
-    found: dict[str, object] = {key: float(given[key]) for key in ("divider", "beta", "r25") if key in given}
+def _read(given: Mapping[str, str]) -> dict[str, Any]:
+    found: dict[str, Any] = {key: float(given[key]) for key in ("divider", "beta", "r25") if key in given}
     if {"a", "b", "c"} & given.keys():
         found["coefficients"] = tuple(float(given.get(key, "missing")) for key in "abc")
     if "table" in given:
@@ -186,7 +191,7 @@ def _read(given: Mapping[str, str]) -> dict[str, object]:
 
 def _between(table: tuple[tuple[float, float], ...], log: float) -> float:
     """Temperature [degC] where ln R is `log`; infinite or below absolute zero outside of the table."""
-    for (cool, most), (warm, least) in zip(table, table[1:], strict=False):
+    for (cool, most), (warm, least) in itertools.pairwise(table):
         upper, lower = math.log(most), math.log(least)
         if lower <= log <= upper:
             share = (log - lower) / (upper - lower)
@@ -197,5 +202,7 @@ def _between(table: tuple[tuple[float, float], ...], log: float) -> float:
 
 def _positive(name: str, value: float | None) -> None:
     if value is None or not (math.isfinite(value) and value > 0.0):
-        message = f"the thermistor's {name} is {value}; give a positive number [{'K' if name == 'beta' else 'ohm'}]"
+        message = (
+            f"the thermistor's {name} is {value}; give a positive number [{'K' if name == 'beta' else 'ohm'}]"
+        )
         raise UsageError(message)

@@ -33,7 +33,12 @@ CASES: dict[str, dict[str, Any]] = {
     "timer": {"temperature": TemperatureCodes(20.0, -20.0, 60.0), "echo": TIMER, "max_distance": 1.0},
     "thermistor": {"temperature": NTC, "echo": 5_000, "max_error": 0.4e-3},
     "tenths": {"temperature": SOME, "output_unit": "0.1mm"},
-    "tenths_int16": {"temperature": SOME, "output_unit": "0.1mm", "output_type": "int16", "max_distance": 2.5},
+    "tenths_int16": {
+        "temperature": SOME,
+        "output_unit": "0.1mm",
+        "output_type": "int16",
+        "max_distance": 2.5,
+    },
     "inches": {"temperature": SOME, "output_unit": "0.01in", "max_error": 0.4e-3},
     "q16_16": {"temperature": SOME, "output_unit": "Q16.16"},
     "q3_13": {"temperature": SOME, "output_unit": "Q3.13", "max_distance": 3.0},
@@ -65,7 +70,9 @@ def test_outputs_follow_the_model_at_every_part(name: str, random: np.random.Gen
     names = [axis["quantity"] for axis in device["conditions"]]
     values = [value_at(axis, code) for axis, code in zip(device["conditions"], conditions, strict=True)]
     with np.errstate(all="ignore"):
-        truth = np.asarray(MODEL.distance(echo * device["echo"]["lsb"], **dict(zip(names, values, strict=True))))
+        truth = np.asarray(
+            MODEL.distance(echo * device["echo"]["lsb"], **dict(zip(names, values, strict=True)))
+        )
     error = np.abs(found.outputs(*codes) * device["output"]["lsb"] - truth)
     assert error[truth <= found.report["maximum_distance_m"]].max() <= found.report["error_proven_m"] + 1e-12
     assert found.report["error_proven_m"] <= found.report["error_bound_m"]
@@ -97,7 +104,12 @@ def test_published_formulas(name: str) -> None:
     """What the datasheets print: raw codes and their values."""
     raw = {
         "AHT20": (0x80000, 50.0, 0x80000, 0.5),
-        "BME280": (2_508, 25.08, 47_445, 0.46333),  # section 4.2.3: 5123 would be 51.23; 47445 / 1024 = 46.333 %
+        "BME280": (
+            2_508,
+            25.08,
+            47_445,
+            0.46333,
+        ),  # section 4.2.3: 5123 would be 51.23; 47445 / 1024 = 46.333 %
         "DHT11": (24, 24.0, 53, 0.53),
         "DHT22": (351, 35.1, 652, 0.652),  # section 7: 0000 0010 1000 1100 is 65.2 %
         "DS18B20": (0x191, 25.0625, None, None),
@@ -156,14 +168,20 @@ def test_humidity_may_fall_as_codes_rise() -> None:
 @pytest.mark.parametrize(
     ("request_", "message"),
     [
-        ({"output_unit": "0.1mm", "output_type": "int16"}, "and int16_t in steps of 0.1 mm holds -3.2767 .. 3.2767 m"),
+        (
+            {"output_unit": "0.1mm", "output_type": "int16"},
+            "and int16_t in steps of 0.1 mm holds -3.2767 .. 3.2767 m",
+        ),
         ({"output_unit": "Q4.12", "max_distance": 9.0, "echo": 60_000}, "holds -7.9998 .. 7.9998 m"),
         ({"output_type": "int8"}, "unknown output type 'int8'; this version has int32, int16"),
         ({"output_unit": "Q16.16", "name": "a" * 16}, "at most 15 characters"),
         ({"target": "esp8266"}, "unknown target 'esp8266'; this version has c99, avr"),
         ({"temperature": NTC, "package": "arduino"}, "makes no codes for temperature_code of a thermistor"),
         ({"echo": TIMER, "package": "micropython"}, "makes no codes for a timer of 32 bits"),
-        ({"humidity": HumidityCodes(1 / 65_535), "package": "arduino"}, "humidity_code in steps of 0.0000152"),
+        (
+            {"humidity": HumidityCodes(1 / 65_535), "package": "arduino"},
+            "humidity_code in steps of 0.0000152",
+        ),
         ({"echo": EchoCodes(0.001, None, None, 32)}, "echo times end at 16777.2 us"),
     ],
 )
@@ -245,7 +263,16 @@ def test_no_thermistor(codes: dict[str, Any], message: str) -> None:
         ["--ntc", "divider=10000,a=1.125e-3,b=2.347e-4,c=8.566e-8,bits=12,side=supply"],
         ["--ntc", "divider=10000,table=-25:129300/0:32650/25:10000/65:2086"],
         ["--echo-lsb-us", "0.125", "--echo-bits", "32", "--temperature-lsb", "2"],
-        ["--output-type", "int16", "--output-unit", "0.1mm", "--max-distance-m", "2", "--temperature-lsb", "2"],
+        [
+            "--output-type",
+            "int16",
+            "--output-unit",
+            "0.1mm",
+            "--max-distance-m",
+            "2",
+            "--temperature-lsb",
+            "2",
+        ],
     ],
 )
 def test_the_recorded_command_makes_the_same_c(options: list[str], tmp_path: Path) -> None:
@@ -261,6 +288,8 @@ def test_the_recorded_command_makes_the_same_c(options: list[str], tmp_path: Pat
 
 
 def run_command(folder: Path, out: str, *options: str) -> Path:
-    done = CliRunner().invoke(app, ["firmware", str(folder / "m.json"), "-q", "-o", str(folder / out), *options])
+    done = CliRunner().invoke(
+        app, ["firmware", str(folder / "m.json"), "-q", "-o", str(folder / out), *options]
+    )
     assert done.exit_code == 0, done.output
     return folder / out

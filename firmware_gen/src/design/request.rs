@@ -22,6 +22,8 @@ pub struct Request<'a> {
     pub maximum_distance: f64,
     /// Largest tables allowed, together \[byte\].
     pub maximum_table: usize,
+    /// Widest integer allowed on the way to the output \[bit\].
+    pub widest: u32,
     /// The core that runs it.
     pub target: Target,
     /// The only form to try; `None`: all of them.
@@ -30,6 +32,19 @@ pub struct Request<'a> {
     pub prefer: Prefer,
     /// Threads for the proof.
     pub threads: usize,
+}
+
+impl Request<'_> {
+    /// The error if there is no candidate at all.
+    pub(super) fn no_candidate(&self) -> Error {
+        let form = self
+            .form
+            .map_or("no form".into(), |form| format!("no form '{form}'"));
+        Error::Request(format!(
+            "{form} computes this model for {} in {}-bit integers and {} bytes of tables: allow larger tables, wider integers, a wider bound or every form",
+            self.target.name, self.widest, self.maximum_table
+        ))
+    }
 }
 
 /// A function, with its proof.

@@ -227,6 +227,9 @@ impl<'a> Search<'a> {
         let factor = form.build(&mut builder);
         let distance = tail.build(&mut builder, factor);
         let mut program = builder.finish(distance)?;
+        if program.widest() > self.request.widest {
+            return None;
+        }
         program.middle_bytes = self.request.target.byte_shifts;
         for table in &mut program.tables {
             table.program_memory = self.request.target.program_memory;
@@ -346,7 +349,7 @@ impl<'a> Search<'a> {
                 best: Some(Box::new(candidate.proven(program, proof))),
             });
         }
-        Err(self.no_candidate().into())
+        Err(self.request.no_candidate().into())
     }
 
     /// The failed candidates that have a program, the most exact first.
@@ -379,20 +382,5 @@ impl<'a> Search<'a> {
         found.sort_by(|a, b| a.screened.total_cmp(&b.screened));
         found.extend(rest); // for where the proof finds fault with the best
         found
-    }
-
-    /// The error if there is no candidate at all.
-    fn no_candidate(&self) -> Error {
-        let Request {
-            form,
-            target,
-            maximum_table,
-            ..
-        } = self.request;
-        let form = form.map_or("no form".into(), |form| format!("no form '{form}'"));
-        Error::Request(format!(
-            "{form} computes this model for {} in 64-bit integers and {maximum_table} bytes of tables: allow larger tables, a wider bound or every form",
-            target.name
-        ))
     }
 }

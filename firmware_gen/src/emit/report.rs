@@ -132,6 +132,7 @@ pub fn report(
         "overflow_free": true,
         "monotone_in_echo_time": true,
         "table_bytes": design.program.table_bytes(),
+        "widest_bits": design.program.widest(),
         "measured": measured,
         "ram_bytes": here.map_or(0, |found| found.ram_bytes), // without a measurement: none is declared
         "flash_bytes": here.map(|found| found.flash_bytes),

@@ -118,6 +118,13 @@ pub struct Program {
 }
 
 impl Program {
+    /// Width of the widest integer that it computes with \[bit\].
+    #[must_use]
+    pub fn widest(&self) -> u32 {
+        let bits = |node: &Node| node.computed.bits().max(node.held.bits());
+        self.nodes.iter().map(bits).max().unwrap_or(0)
+    }
+
     /// The node that computes `value`.
     #[must_use]
     pub fn node(&self, value: Value) -> &Node {

@@ -58,7 +58,8 @@ def command(
     ntc: Annotated[
         str | None,
         option(
-            "Thermistor on a converter: divider=OHM,beta=K,r25=OHM,bits=10,side=ground", metavar="KEY=VALUE,..."
+            "Thermistor on a converter: divider=OHM,beta=K,r25=OHM,bits=10,side=ground",
+            metavar="KEY=VALUE,...",
         ),
     ] = None,
     temperature_lsb: Annotated[
@@ -77,9 +78,7 @@ def command(
     humidity_range: Annotated[
         str | None, option("Accepted relative humidities, LOW:HIGH [1]; default: 0:1.")
     ] = None,
-    humidity_zero: Annotated[
-        float | None, option("Relative humidity of code 0 [1]; default: 0.")
-    ] = None,
+    humidity_zero: Annotated[float | None, option("Relative humidity of code 0 [1]; default: 0.")] = None,
     humidity_shift: Annotated[
         int | None, option("Lowest bits of the humidity code that the function drops.")
     ] = None,
@@ -115,6 +114,7 @@ def command(
         option("Value of a condition that the device does not measure.", metavar="NAME=VALUE"),
     ] = None,
     max_table_bytes: Annotated[int, option("Largest size of all tables together [byte].")] = 1024,
+    max_bits: Annotated[int, option("Widest integer to compute with: 64, or 32.")] = 64,
     package: Annotated[
         str,
         option("Kind of files: c, arduino, platformio, esphome, micropython, esp-idf, zephyr or rust."),
@@ -164,6 +164,7 @@ def command(
         "accept": accept or (),
         "assume": dict(_assignment(text) for text in assume or ()),
         "max_table_bytes": max_table_bytes,
+        "max_bits": max_bits,
         "n_threads": threads,
         "model_name": model.name,
     }

@@ -74,7 +74,10 @@ def columns_of_package(played: Played, made: Firmware) -> pd.DataFrame:
         rows[row, : len(numbers)] = [int(word) for word in numbers]
     scaled = [one["zero"] + one["lsb"] * rows[:, place] for place, one in enumerate(axes)]
     table = pd.DataFrame(
-        {"echo_us": np.round(scaled[0] * 1e6, 9), "reading_m": rows[:, -1] * float(made.report["device"]["output"]["lsb"])}
+        {
+            "echo_us": np.round(scaled[0] * 1e6, 9),
+            "reading_m": rows[:, -1] * float(made.report["device"]["output"]["lsb"]),
+        }
     )
     table["reading_m"] = table["reading_m"].round(9)
     table["temperature_C"] = np.round(scaled[1], 9)

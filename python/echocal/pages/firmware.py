@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from echocal.charts.parts import Axis, Chart, Line, Panel, span
+from echocal.codes import value_at
 from echocal.errors import DomainWarning, EchocalError
 from echocal.firmware import Firmware
 from echocal.model import Model

@@ -1,12 +1,11 @@
 //! Firmware: a request in, texts and the bit-exact twin out.
 
 use echocal_core::{Conditions, Quantity};
-use echocal_firmware::device::check_rows;
 use echocal_firmware::lower::{Lowered, Omission, describe, lower, lower_without_echo};
 use echocal_firmware::output::OUTPUTS;
 use echocal_firmware::target;
 use echocal_firmware::{
-    Axis, Codes, Design, Device, Error, Measurement, Output, Package, Prefer, Progress, Provenance,
+    Axis, Design, Device, Error, Measurement, Output, Package, Prefer, Progress, Provenance,
     Request, Target, Uncertainty, design, emit,
 };
 use numpy::PyArray1;
@@ -16,6 +15,7 @@ use std::sync::Arc;
 
 use crate::border::{Column, same_length};
 use crate::errors::raise;
+use crate::firmware_codes::{Condition, Scale, conditions};
 use crate::model::CoreModel;
 
 /// Outputs of rows \[um\].
@@ -162,6 +162,7 @@ pub struct FirmwareRequest {
     maximum_error: f64,
     maximum_distance: f64,
     maximum_table: usize,
+    widest: u32,
     threads: usize,
     accept: Vec<String>,
     assumed: [f64; Quantity::COUNT],
@@ -281,38 +282,6 @@ fn device(request: &FirmwareRequest) -> Result<Device, Error> {
     })
 }
 
-/// LSB, lowest and highest value, the value of code 0, and the bits that the function drops.
-type Condition = (f64, f64, f64, f64, u32);
-
-/// The first code, temperatures from it on \[degC\], and words.
-type Scale = (i64, Vec<f64>, String);
-
-fn conditions(
-    temperature: Condition,
-    thermistor: &Option<Scale>,
-    humidity: Option<Condition>,
-) -> Result<Vec<Axis>, Error> {
-    let axis = |quantity: &str, (lsb, low, high, zero, shift): Condition| {
-        let codes = Codes {
-            lsb,
-            low,
-            high,
-            zero,
-            shift,
-        };
-        Axis::of(quantity, codes)
-    };
-    let mut axes = vec![match thermistor {
-        Some((first, values, words)) => Axis::thermistor(*first, values.clone(), words.clone())?,
-        None => axis("temperature", temperature)?,
-    }];
-    if let Some(humidity) = humidity {
-        axes.push(axis("relative_humidity", humidity)?);
-    }
-    check_rows(&axes)?;
-    Ok(axes)
-}
-
 fn lowered(
     model: &echocal_core::Model,
     device: &Device,
@@ -343,6 +312,7 @@ fn meet(
         maximum_error: request.maximum_error,
         maximum_distance: request.maximum_distance,
         maximum_table: request.maximum_table,
+        widest: request.widest,
         form: request.form.as_deref(),
         target: Target::parse(&request.target)?,
         prefer: Prefer::parse(&request.prefer)?,

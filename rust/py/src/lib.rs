@@ -10,6 +10,7 @@ mod columns_layout;
 mod domain;
 mod errors;
 mod firmware;
+mod firmware_codes;
 mod infer;
 mod infer_checks;
 mod infer_classes;
