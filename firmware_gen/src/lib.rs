@@ -8,8 +8,8 @@
 //!
 //! 1. `types`: integer types of C and their ranges. `error`: the errors. `affine`, `jet`, `minimax`: numerics. `hash`:
 //!    the hash of all outputs.
-//! 2. `output`: the unit and the type of the result.
-//! 3. `axis`: the codes of one quantity. `device`: all that the device measures.
+//! 2. `axis`: the codes of one quantity. `output`: the unit and the type of the result.
+//! 3. `device`: the codes that the device measures.
 //! 4. `ir`: programs of exact integer operations, and the twin.
 //! 5. `reference`: the model that a program must follow. `target`: costs on each core.
 //! 6. `lower`: a calibrated model as that reference. `form`: ways to compute the speed factor. `prove`: the proof.

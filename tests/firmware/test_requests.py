@@ -1,4 +1,4 @@
-"""Unusual requests: each is answered in half a minute of processor time, with what was asked for or a clear refusal.
+"""Unusual requests: each is met or clearly refused in half a minute of processor time.
 
 ``python tests/firmware/test_requests.py`` prints each request, its time and its answer.
 """
@@ -136,7 +136,8 @@ def answer(model: Model, target: str, request: dict[str, Any]) -> tuple[float, s
         else:
             report = made.report
             assert report["error_proven_m"] <= report["error_bound_m"]
-            text = f"{report['error_proven_m'] * 1e3:.4f} mm, {report['widest_bits']} bits: {report['form']['description']}"
+            proven = f"{report['error_proven_m'] * 1e3:.4f} mm, {report['widest_bits']} bits"
+            text = f"{proven}: {report['form']['description']}"
     return time.process_time() - begun, text
 
 
