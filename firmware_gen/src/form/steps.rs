@@ -58,6 +58,10 @@ pub(super) fn plus(builder: &mut Builder<'_>, value: Value, constant: i64) -> Va
             let constant = builder.constant(constant);
             builder.add(value, constant)
         }
+        i64::MIN => {
+            let constant = builder.constant(constant); // it has no opposite
+            builder.add(value, constant)
+        }
         _ => {
             let constant = builder.constant(-constant);
             builder.subtract(value, constant)
