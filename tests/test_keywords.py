@@ -18,6 +18,7 @@ import echocal
 from echocal import cli, firmware, watch
 from echocal.emulation import emulate
 from echocal.keywords import as_here, command_line, keyword, naming
+from echocal.per_unit import generate_per_unit
 from echocal.waveforms.reading import read_waveforms
 
 PACKAGE = Path(echocal.__file__).parent
@@ -77,7 +78,15 @@ def test_each_keyword_is_one_of_python_and_has_a_flag() -> None:
     commands = [group.get_command(None, name) for name in cli.COMMANDS]
     flags = {one.name: one.opts[0] for command in commands for one in command.params}
     public = [getattr(echocal, name) for name in echocal.__all__]
-    public += [watch.Reference, watch.Fleet, firmware.generate, firmware.EchoCodes, emulate, read_waveforms]
+    public += [
+        watch.Reference,
+        watch.Fleet,
+        firmware.generate,
+        firmware.EchoCodes,
+        generate_per_unit,
+        emulate,
+        read_waveforms,
+    ]
     public += [echocal.Observations, echocal.Model]
     keywords = {name for one in public if callable(one) for name in parameters(one)} | {"with_shape"}
     assert len(said) > 30

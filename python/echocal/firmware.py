@@ -63,6 +63,7 @@ def generate(
     n_threads: int | None = None,
     progress: Progress | None = None,
     model_name: str = "MODEL.json",
+    recorded: Mapping[str, Any] | None = None,
 ) -> Firmware:
     """Design the cheapest integer function that follows a model, and prove it on every input.
 
@@ -131,6 +132,8 @@ def generate(
         Called with the form in words, the number of checked inputs and the number of all inputs.
     model_name : str
         Name of the model file in the command that the files record.
+    recorded : mapping of str to object, optional
+        Options of that command which differ from this request: the request of `echocal.per_unit`.
 
     Returns
     -------
@@ -203,7 +206,8 @@ def generate(
     request["echo"] = times.codes
     texts = _texts(uncertainties)
     known = Uncertainties.of(texts)
-    request["command"] = _command(request, model_name, assume, texts, measure, thermistor)
+    more = {**({} if thermistor is None else {"ntc": thermistor.text()}), **(recorded or {})}
+    request["command"] = _command(request, model_name, assume, texts, measure, more)
     try:
         core = _core.design_firmware(model._core, request, progress)
     except BoundError as error:
@@ -328,17 +332,14 @@ def _command(
     assume: Mapping[str, float],
     uncertainties: list[str],
     measure: bool,
-    thermistor: ThermistorCodes | None,
+    recorded: Mapping[str, Any],
 ) -> str:
     """Return the command line that makes the same files again."""
     tick, shortest, longest, bits = request["echo"]
     package, unit = request["package"], request["output_unit"]
-    return command_line(
-        "firmware",
-        model_name,
+    options: dict[str, Any] = dict(
         target=request["target"],
-        ntc=None if thermistor is None else thermistor.text(),
-        **_codes("temperature", request["temperature"], stepped=thermistor is None),
+        **_codes("temperature", request["temperature"], stepped=request["thermistor"] is None),
         **_codes("humidity", request["humidity"]),
         echo_lsb_us=None if tick == 1.0 else tick,
         echo_bits=None if bits == 16 else bits,
@@ -360,6 +361,7 @@ def _command(
         measure=measure,
         out="firmware",
     )
+    return command_line("firmware", model_name, **{**options, **recorded})
 
 
 def _millimeters(size: float) -> float:

@@ -12,6 +12,7 @@ mod selftest;
 mod status;
 mod templates;
 mod text;
+mod unit;
 
 pub use package::{PACKAGES, Package};
 pub use report::{Measurement, Provenance, Uncertainty};
@@ -27,6 +28,7 @@ use serde::Serialize;
 use text::{named, renamed, table_text};
 
 pub use text::Local;
+pub use unit::unit_files;
 
 /// Longest time \[us\] from the trigger pulse to the echo pulse, of a round number. An HC-SR04 takes 0.5 ms, some copies
 /// take 12.3 ms (esphome/esphome, pull request 12897); this is twice that. Time-outs of `pulseIn()`, and of ESPHome

@@ -19,6 +19,8 @@ const TEMPLATES: &[(&str, &str)] = templates![
     "c/echocal_selftest_main.c",
     "c/program_memory",
     "c/middle",
+    "c/echocal_unit.h",
+    "c/echocal_unit.c",
     "arduino/sketch",
     "arduino/library.h",
     "arduino/library.properties",

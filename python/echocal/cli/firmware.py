@@ -20,7 +20,7 @@ from rich.table import Table
 
 from echocal import silicon
 from echocal.checksums import CHECKSUMS, listed, unedited
-from echocal.cli import _explore, _made_by
+from echocal.cli import _explore, _made_by, _per_unit
 from echocal.cli._codes import humidity_codes, thermometer
 from echocal.cli._complete import targets
 from echocal.cli._console import Console
@@ -32,6 +32,7 @@ from echocal.firmware import EchoCodes, Firmware, generate
 from echocal.model import Model
 from echocal.outputs import replace_text
 from echocal.pages.considered import considered
+from echocal.per_unit import UnitFirmware, generate_per_unit
 from echocal.sensors import sensor_of
 
 Tell = Callable[[str, int, int], object]
@@ -43,8 +44,10 @@ def option(description: str, *names: str, metavar: str | None = None) -> Any:
 
 
 def command(
-    model: Annotated[Path, typer.Argument(help="Model file, such as diagnose writes.", metavar="MODEL.json")],
-    out: Annotated[Path, option("Folder for the generated files.", "-o", "--out")],
+    out: Annotated[Path, option("Folder for the generated files; file or folder for blocks.", "-o", "--out")],
+    model: Annotated[
+        Path | None, typer.Argument(help="Model file, such as diagnose writes.", metavar="MODEL.json")
+    ] = None,
     target: Annotated[
         str,
         typer.Option(
@@ -128,6 +131,22 @@ def command(
             "Standard uncertainty of a value: temperature_C=0.5, ...", "--uncertainty", metavar="NAME=VALUE"
         ),
     ] = None,
+    per_unit: Annotated[
+        list[str] | None,
+        option(
+            "Effect whose parameter each unit has of its own: fixed_delay, clock_error.",
+            metavar="EFFECT[=LOW:HIGH]",
+        ),
+    ] = None,
+    unit_data: Annotated[
+        Path | None, option("Write the block of this unit instead.", metavar="UNIT.json")
+    ] = None,
+    unit_number: Annotated[
+        int | None, option("Number of that unit; default: from the name of its file.")
+    ] = None,
+    units: Annotated[
+        Path | None, option("Write a block for each model in this folder instead.", metavar="DIR")
+    ] = None,
     measure: Annotated[
         bool, option("Compile, run in a simulator, state flash and time.", "--measure")
     ] = False,
@@ -147,8 +166,15 @@ def command(
 ) -> None:
     """Turn a model into C that is proven over every input."""
     console = Console(stderr=True, quiet=quiet)
+    if unit_data is not None or units is not None:
+        asked = _per_unit.Blocks(unit_data, units, unit_number, model, per_unit or ())
+        _per_unit.run(asked, out, json, console, force=force, quiet=quiet)
+        return
+    if model is None:
+        message = "firmware needs a model: give MODEL.json"
+        raise UsageError(message)
     if explore:
-        _refuse_one(prefer, form, bool(measure or uncertainties), package, name, page)
+        _refuse_one(prefer, form, bool(measure or uncertainties or per_unit), package, name, page)
     _refuse_outputs(model, json, out, _explore.FILES if explore else listed(out), page, force=force)
     known = None if sensor is None else sensor_of(sensor)
     request: dict[str, Any] = {
@@ -176,7 +202,14 @@ def command(
             one: dict[str, Any] = {"form": form, "package": package, "name": name, "measure": measure}
             one["uncertainties"] = uncertainties or ()
             saved = prefer or "size"
-            made = generate(followed, target, prefer=saved, progress=_proving(tell), **one, **request)
+            one |= {"prefer": saved, "progress": _proving(tell)}
+            made = (
+                generate_per_unit(followed, per_unit, target, **one, **request)
+                if per_unit
+                else generate(followed, target, **one, **request)
+            )
+            if isinstance(made, UnitFirmware):
+                followed = made.box.least(followed)  # the model of the function that is on the page
             if page is not None:
                 forms = considered(followed, target, prefer=saved, progress=tell, **request)
     if explore:
@@ -202,7 +235,7 @@ def _refuse_one(
     if prefer or form or measure or package != "c" or name != "echocal" or page is not None:
         message = (
             "--explore tries every form, for size and for speed, and writes no package: leave out --prefer, "
-            "--form, --measure, --uncertainty, --package, --name and --report"
+            "--form, --measure, --uncertainty, --per-unit, --package, --name and --report"
         )
         raise UsageError(message)
 
@@ -281,6 +314,18 @@ def _cost(found: dict[str, Any]) -> str:
     return f"{found['core']}: {memory}, {steps} {unit} ({found['compiler']} {found['options']})"
 
 
+def _add_units(table: Table, made: UnitFirmware) -> None:
+    found = made.report["per_unit"]
+    proven, asked = rounded_up(found["error_proven_m"] * 1e3), found["error_bound_m"] * 1e3
+    far = found["maximum_distance_m"]
+    table.add_row(
+        "every unit", f"[bold green]{proven:.4f} mm[/] at most, up to {far:g} m (requested {asked:g} mm)"
+    )
+    for side in made.box.sides:
+        if side.free:
+            table.add_row("", escape(side.words()))
+
+
 def _summary(made: Firmware, files: list[Path], notes: list[str]) -> Table:
     report = made.report
     table = Table.grid(padding=(0, 2))
@@ -306,6 +351,8 @@ def _summary(made: Firmware, files: list[Path], notes: list[str]) -> Table:
         table.add_row(
             "95 %", f"+-{rounded_up(size * 1e3, 2):g} mm at {distance:g} m; the header says of what"
         )
+    if isinstance(made, UnitFirmware):
+        _add_units(table, made)
     for found in report["measured"]:
         table.add_row("measured", _cost(found))
     for line in report["assumptions"]:

@@ -32,6 +32,7 @@ FAULTS = frozenset({"crosstalk", "mistyped_rows", "stuck_reading", "timeout", "b
 """Causes that spoil single rows."""
 
 NAMES: dict[str, frozenset[str]] = {
+    "beam_edge": frozenset({"beam_edge", "obstruction"}),
     "correlated_noise": frozenset({"correlated_noise", "slow_air"}),
     "divisor": frozenset({"fixed_speed"}),  # cm = us / 58 is a device with 344.8 m/s
     "wind": frozenset({"wind_along", "wind_across"}),

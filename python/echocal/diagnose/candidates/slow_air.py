@@ -1,5 +1,7 @@
 """Air along the path that differs from that at the thermometer, slowly: a part of the noise."""
 
+from functools import lru_cache
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -38,15 +40,24 @@ def slow_air_columns(found: Candidates, scene: Scene) -> tuple[int, ...]:
 
 
 def _parts(time: Column, settings: NoiseModelSettings) -> list[Column]:
-    """Largest principal components of exponential correlations in time, each times its deviation.
+    """Largest principal components of exponential correlations in time, each times its deviation."""
+    taken = np.unique(np.quantile(time, np.linspace(0.0, 1.0, _TIMES)))
+    return [np.interp(time, taken, part) for part in _components(taken.tobytes(), settings.slow_air_times)]
+
+
+@lru_cache(maxsize=4)  # a diagnosis takes those of one table several times
+def _components(times: bytes, lasts: tuple[float, ...]) -> tuple[Column, ...]:
+    """The same at the times that they are taken at, the largest first.
 
     The mean over the rows is taken off: what lasts as long as the table is an error of the thermometer.
     """
-    taken = np.unique(np.quantile(time, np.linspace(0.0, 1.0, _TIMES)))
+    from scipy.linalg import eigh  # takes long to import
+
+    taken = np.frombuffer(times)
     apart = np.abs(taken[:, None] - taken)
     centered = np.eye(len(taken)) - 1.0 / len(taken)
-    alike = np.mean([np.exp(-apart / lasting) for lasting in settings.slow_air_times], axis=0)
-    covariance = centered @ alike @ centered
-    shares, vectors = np.linalg.eigh(covariance / len(taken))
-    wanted = [k for k in np.argsort(-shares)[:_MOST] if shares[k] >= _LEAST]
-    return [np.interp(time, taken, np.sqrt(shares[k] * len(taken)) * vectors[:, k]) for k in wanted]
+    alike = np.mean([np.exp(-apart / one) for one in lasts], axis=0)
+    largest = max(len(taken) - _MOST, 0), len(taken) - 1
+    shares, vectors = eigh(centered @ alike @ centered / len(taken), subset_by_index=largest)
+    each = zip(shares[::-1].tolist(), vectors.T[::-1], strict=True)
+    return tuple(np.sqrt(share * len(taken)) * part for share, part in each if share >= _LEAST)

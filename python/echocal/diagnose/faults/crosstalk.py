@@ -3,8 +3,10 @@
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from echocal.diagnose.faults.common.fault import Fault, Found
+from echocal.diagnose.faults.common.one_value import one_value
 from echocal.diagnose.faults.common.outliers import count_evidence, far_rule, one_sided_outliers
 from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
 from echocal.diagnose.findings.finding import listed
@@ -50,7 +52,18 @@ def detect(view: View, own: Thresholds, settings: FaultSettings) -> Found | None
         f"{view.expected[worst]:.3f} m is expected); left out"
     )
     rules = (far_rule(view, FACTS.id, -1, settings, own.least),)
-    return Found(rows, count_evidence(view, rows, settings), because, (count,), rules=rules)
+    evidence = count_evidence(view, rows, settings) - _of_one_place(view, rows, settings)
+    return Found(rows, evidence, because, (count,), rules=rules)
+
+
+def _of_one_place(view: View, rows: NDArray[np.bool_], settings: FaultSettings) -> float:
+    """Log Bayes factor of echoes of one place, but for a few, against those from anywhere; at least 0."""
+    found = one_value(view, rows & (view.indication > 0), view.indication, settings, FACTS.id)
+    if found is None:
+        return 0.0
+    others = int(rows.sum()) - len(found.rows)
+    by_chance = others * np.log(settings.constant.wild) - np.log(settings.constant.range)
+    return max(0.0, float(found.as_echoes + by_chance - found.as_wild))
 
 
 def spoil(table: Columns, random: np.random.Generator) -> None:

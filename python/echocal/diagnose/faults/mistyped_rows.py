@@ -23,7 +23,6 @@ _ENOUGH = 8  # odd rows that tell how odd rows deviate
 _TRIED, _SHIFTS = 100, 5  # odd rows, and deviations of others, that tell how many match by chance
 _PARTS = 64  # of what part may be typed
 _MOST = 2000  # odd rows, of which nobody typed all
-_EVEN = 0.8  # part of the time steps that are equal in a logger's table
 
 
 @dataclass(frozen=True)
@@ -37,18 +36,8 @@ class Thresholds:
     alone: float = threshold(
         2.0, "1", "log Bayes factor of a row that looks typed where others do not; judgement"
     )
-    least: float = threshold(4e-3, "m", "least change by a slip; judgement")
-    close: float = threshold(
-        5.0, "1", "robust standard deviations that a corrected row may be off by; judgement"
-    )
     rows: float = threshold(
         500, "1", "rows that a person types: of n tables 1 in 1 + (n / rows)^2; judgement"
-    )
-    logged: float = threshold(
-        1.0, "1", "log Bayes factor against typing, where times are evenly spaced as a logger's; judgement"
-    )
-    sure: float = threshold(
-        2.3, "1", "log Bayes factor against an echo from anywhere for a row to be a slip: 10 to 1; judgement"
     )
     slip: float = threshold(
         0.5,
@@ -94,17 +83,16 @@ def edits(text: str) -> Iterator[tuple[str, str, float]]:
 def detect(view: View, own: Thresholds, settings: FaultSettings) -> Found | None:
     """Try every single edit on every odd row that looks typed."""
     values = recorded(view) if view.observations.reading is not None else view.indication
-    if view.farthest <= max(own.odd_alone * view.scatter, own.least):
+    if view.farthest <= own.odd_alone * view.scatter:
         return None
     usual = next((d for d in _DECIMALS if _on_grid(values, d)[view.good].mean() > 0.5), 0)
     decimals, deviations = (usual, own.odd) if usual else (_DECIMALS[0], own.odd_alone)
-    least = max(deviations * view.scatter, own.least)
+    typist = _Typist(max(view.scatter, 0.3 * 10.0**-decimals), decimals, 0.0 if usual else own.alone, own)
     with np.errstate(invalid="ignore"):
-        odd = np.flatnonzero(view.good & _on_grid(values, decimals) & (np.abs(view.deviation) > least))
+        off = np.abs(view.deviation) > deviations * typist.scatter
+        odd = np.flatnonzero(view.good & _on_grid(values, decimals) & off)
     if not 0 < len(odd) < _MOST:
         return None
-    alone = 0.0 if usual else own.alone
-    typist = _Typist(max(view.scatter, 0.3 * 10.0**-decimals), decimals, alone, own)
     meant = {
         int(row): found
         for row in odd
@@ -112,10 +100,10 @@ def detect(view: View, own: Thresholds, settings: FaultSettings) -> Found | None
     }
     evidence = sum(found.log_bayes for found in meant.values())
     if len(odd) >= _ENOUGH:
-        off = view.deviation[odd[:: -(-len(odd) // _TRIED)]]
-        evidence = min(evidence, _typed_at_all(len(meant), len(odd), _by_chance(typist, values, odd, off)))
+        by_chance = _by_chance(typist, values, odd, view.deviation[odd[:: -(-len(odd) // _TRIED)]])
+        evidence = min(evidence, _typed_at_all(len(meant), len(odd), by_chance))
     if usual:  # else only the odd rows look typed, and a person typed these alone
-        evidence -= float(np.log1p((len(view) / own.rows) ** 2)) + own.logged * _logged(view)
+        evidence -= float(np.log1p((len(view) / own.rows) ** 2))
     if not meant:
         return None
     rows, corrected = np.isin(np.arange(len(view)), list(meant)), values.copy()
@@ -179,25 +167,18 @@ class _Typist:
     own: Thresholds
 
     def meant(self, value: float, expected: float) -> _Meant | None:
-        """The edit that fits best, if a slip is far more likely than an echo from anywhere."""
+        """The edit that fits best, if a slip is more likely than an echo from anywhere."""
         best, slips, weights = _Meant(np.nan, "", 0.0), 0.0, 0.0
         for text, slip, weight in edits(f"{round(value * 10.0**self.decimals):0{self.decimals + 1}d}"):
             right = int(text) * 10.0**-self.decimals
             off = (right - expected) / self.scatter
             density = weight * 0.3676 / (self.scatter * (1 + off**2 / 3) ** 2)  # Student's t, 3 degrees
             slips, weights = slips + density, weights + weight
-            if abs(off) < self.own.close and density > best.log_bayes:
+            if density > best.log_bayes:
                 best = _Meant(right, slip, density)
         anywhere = 1.0 / max(abs(expected), abs(value), 0.2)  # density of echoes [1/m]
         evidence = float(np.log(self.own.slip * slips / weights / anywhere)) + self.alone
-        return _Meant(best.value, best.slip, evidence) if best.slip and evidence > self.own.sure else None
-
-
-def _logged(view: View) -> bool:
-    """Whether most times are evenly spaced, as a logger's are."""
-    steps = np.diff(view.observations.conditions.get("elapsed_time", np.empty(0)))
-    usual = float(np.nanmedian(steps)) if np.isfinite(steps).any() else 0.0
-    return usual > 0 and bool(np.mean(np.abs(steps - usual) < 0.02 * usual) > _EVEN)
+        return _Meant(best.value, best.slip, evidence) if best.slip and evidence > 0.0 else None
 
 
 def spoil(table: Columns, random: np.random.Generator) -> None:

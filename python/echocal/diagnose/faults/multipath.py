@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from echocal.diagnose.faults.common.fault import Fault, Found
 from echocal.diagnose.faults.common.outliers import count_evidence, far_rule, one_sided_outliers
@@ -55,7 +56,15 @@ def detect(view: View, own: Thresholds, settings: FaultSettings) -> Found | None
     )
     evidence = count_evidence(view, rows, settings) + own.each_twice * twice
     rules = (far_rule(view, FACTS.id, 1, settings),)
-    return Found(rows, evidence, because, (count, twice), rules=rules)
+    return Found(rows, evidence, because, (count, twice), rules=rules, rivals=_rivals(view, rows))
+
+
+def _rivals(view: View, rows: NDArray[np.bool_]) -> tuple[str, ...]:
+    """The blanking distance, where all targets up to some distance read too long, and no other one."""
+    if view.reference is None:
+        return ()
+    near = view.good & (view.reference <= view.reference[rows].max())
+    return ("blanking_distance",) if rows[near].all() and not near[view.good].all() else ()
 
 
 def spoil(table: Columns, random: np.random.Generator) -> None:

@@ -73,9 +73,7 @@ def detect(view: View, own: Thresholds, _: FaultSettings) -> Found | None:
     if len(known) < 2 * _WINDOWS[0]:
         return None
     columns = np.stack([some(warm, known), 100.0 * some(humid, known)])
-    evidence, seam = max(
-        ((_evidence(columns, row, own), row) for row in _seams(columns)), default=(-np.inf, 0)
-    )
+    evidence, seam = _likeliest(columns, own)
     if not np.isfinite(evidence):
         return None
     edge = int(known[seam])
@@ -119,14 +117,33 @@ def _refined(columns: Column, row: int) -> int:
     return first + int(np.argmin(np.cumsum(own) - own + across + other.sum() - np.cumsum(other)))
 
 
-def _evidence(columns: Column, row: int, own: Thresholds) -> float:
-    """Log Bayes factor of an exchange from a row on.
+def _likeliest(columns: Column, own: Thresholds) -> tuple[float, int]:
+    """Log Bayes factor of an exchange from the likeliest row on, and this row.
 
-    The level and the slope go on in one way only, unless the columns cross in parallel. The roughness, the
-    steps of the values, and the temperatures that air has may decide too.
+    The steps of the values are looked for only where they may make a row the likeliest one: that takes long.
     """
-    columns = columns[:, max(0, row - _ENOUGH) : row + _ENOUGH]
-    row = min(row, _ENOUGH)
+    seams = sorted(((*_continued(columns, row, own), row) for row in _seams(columns)), reverse=True)
+    best = -np.inf, 0
+    for log, rough, row in seams:
+        if log + max(own.step, own.roughness) < best[0]:
+            break
+        if np.isfinite(log):
+            best = max(best, (log + (own.step * _steps(*_around(columns, row)) or rough), row))
+    return best
+
+
+def _around(columns: Column, row: int) -> tuple[Column, int]:
+    """Rows on each side of a row that tell enough, and its place among them."""
+    return columns[:, max(0, row - _ENOUGH) : row + _ENOUGH], min(row, _ENOUGH)
+
+
+def _continued(columns: Column, row: int, own: Thresholds) -> tuple[float, float]:
+    """Log Bayes factor of an exchange from a row on, without that of roughness, and that of roughness.
+
+    The level and the slope go on in one way only, unless the columns cross in parallel. The temperatures that
+    air has may decide too, and the roughness, where the steps of the values do not.
+    """
+    columns, row = _around(columns, row)
     sides = [[_line(column[:row][::-1], -1.0), _line(column[row:], 1.0)] for column in columns]
     misfit = [
         sum(
@@ -137,13 +154,12 @@ def _evidence(columns: Column, row: int, own: Thresholds) -> float:
     ]
     straight, exchanged = np.minimum(misfit, 2 * own.line)
     if exchanged == 2 * own.line:
-        return -np.inf
+        return -np.inf, 0.0
     before, after = np.abs(np.diff(columns[:, :row])), np.abs(np.diff(columns[:, row:]))
     scale = np.median(before, axis=1, keepdims=True) / np.log(2) + 0.05  # of a Laplace distribution
     rough = float((np.minimum(after / scale, 8.0) - np.minimum(after / scale[::-1], 8.0)).sum())
-    steps = own.step * _steps(columns, row)
-    rough = 0.0 if steps else float(np.clip(rough, -own.roughness, own.roughness))
-    return 0.5 * float(straight - exchanged) + rough + steps + own.range * _ranges(columns, row)
+    rough = float(np.clip(rough, -own.roughness, own.roughness))
+    return 0.5 * float(straight - exchanged) + own.range * _ranges(columns, row), rough
 
 
 def _line(values: Column, direction: float) -> tuple[Column, Column]:
@@ -160,15 +176,18 @@ def _line(values: Column, direction: float) -> tuple[Column, Column]:
 
 def _steps(columns: Column, row: int) -> int:
     """Whether the numbers of one column have the step of the other from the row on: 1, or -1 if not."""
-    parts = [
-        column[side] for column in columns for side in (slice(row - _MARGIN), slice(row + _MARGIN, None))
-    ]
-    grids = [find_grid(part) if len(part) else None for part in parts]
-    warm, warm_after, humid, humid_after = (0.0 if grid is None else grid.step for grid in grids)
+    warm, humid = (_step(column[: row - _MARGIN]) for column in columns)
     if np.isclose(warm, humid, rtol=0.1):
         return 0
+    warm_after, humid_after = (_step(column[row + _MARGIN :]) for column in columns)
     same = np.allclose((warm, humid), (warm_after, humid_after), rtol=0.1)
     return -int(same) or int(np.allclose((warm, humid), (humid_after, warm_after), rtol=0.1))
+
+
+def _step(values: Column) -> float:
+    """Step of some values; 0 where they have none."""
+    grid = find_grid(values) if len(values) else None
+    return 0.0 if grid is None else grid.step
 
 
 def _ranges(columns: Column, row: int) -> int:

@@ -5,16 +5,16 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.diagnose.faults.common.constant import finest, log_choices, log_constant
+from echocal.diagnose.faults.common.constant import log_choices
 from echocal.diagnose.faults.common.fault import Fault, Found
-from echocal.diagnose.faults.common.values import expected_everywhere, far, limit_of, recorded
+from echocal.diagnose.faults.common.one_value import one_value
+from echocal.diagnose.faults.common.values import expected_everywhere, far, recorded
 from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
 from echocal.diagnose.findings.finding import listed
 from echocal.diagnose.preprocess.view import View
 from echocal.diagnose.settings.faults import FaultSettings
 from echocal.diagnose.settings.threshold import threshold
 from echocal.observations.marks import RowRule
-from echocal.observations.quantiles import MAD_TO_SD
 
 __all__ = ["FAULT"]
 
@@ -31,9 +31,6 @@ class Thresholds:
     tolerance: float = threshold(
         5e-5, "s", "around the 38 ms of the data sheet: clones differ by tens of us; judgement"
     )
-    window: float = threshold(
-        0.01, "1", "of the logarithm, in which the rows of one constant lie: twice the largest jitter"
-    )
     reach: float = threshold(
         4.0,
         "m",
@@ -42,16 +39,8 @@ class Thresholds:
     another: float = threshold(
         0.25, "1", "part of the tables with echoes over a longer way in which one thing makes them; judgement"
     )
-    scatter: float = threshold(
-        1.5, "1", "standard deviation of the log scatter of its echoes: they vary four times as much or less"
-    )
     twice: float = threshold(
         0.25, "1", "part of these tables in which it is the second round trip; judgement"
-    )
-    among: float = threshold(
-        0.05,
-        "1",
-        "prior of a constant that is not longer than every good reading, over that of others; judgement",
     )
     impossible: float = threshold(
         8.0, "1", "log Bayes factor of a row that repeats a value which no echo has; judgement"
@@ -95,39 +84,18 @@ def _constant(
     view: View, values: Column, settings: FaultSettings, own: Thresholds
 ) -> tuple[float, NDArray[np.int64]]:
     """The most far rows with about one value, and their evidence: docs/method/faults.md, Eq. 31b."""
-    outliers = np.flatnonzero(far(view, settings.far) & (values > 0))
-    if not len(outliers):
-        return -np.inf, outliers
-    logs = np.log(np.where(values > 0, values, np.nan))
-    ordered = np.sort(logs[outliers])
-    ends = np.searchsorted(ordered, ordered + own.window, side="right")
-    first = int((ends - np.arange(len(ordered))).argmax())
-    inside = view.good & (np.abs(logs - np.median(ordered[first : ends[first]])) <= own.window)
-    rest = view.after(view.without(inside, FACTS.id))
-    if not rest.good.any():
-        return -np.inf, outliers[:0]
-    expected = view.expected if view.known else expected_everywhere(rest)
-    limit = limit_of(rest.scatter, expected, settings.far)
-    rows = np.flatnonzero(inside & (np.abs(view.indication - expected) > limit))
-    if not len(rows):
-        return -np.inf, rows
-    place, least = view.indication[rows], finest(view.indication[rows], view.resolution)
-    off = np.abs(place - expected[rows])
-    chosen = log_choices(len(rows), len(rows) + int(far(rest, settings.far).sum()))
-    echo = float(np.median(view.observations.echo_time[rows]))
+    found = one_value(view, far(view, settings.far) & (values > 0), values, settings, FACTS.id)
+    if found is None:
+        return -np.inf, np.empty(0, dtype=np.int64)
+    place = float(np.median(view.indication[found.rows]))
+    echo = float(np.median(view.observations.echo_time[found.rows]))
     known = _normal(echo / _KNOWN, own.tolerance / _KNOWN)
-    good = rest.indication[rest.good]
-    among_good = own.among if np.median(place) <= good.max() else 1.0
+    among_good = settings.constant.among if place <= found.longest else 1.0
     here = float(np.log(0.5 * among_good / settings.constant.range + 0.5 * known))
-    slow = 0.0 if view.known else MAD_TO_SD * float(np.median(np.abs(good - np.median(good))))
-    half = 0.5 * float(np.log(max(slow / rest.scatter, 1.0)))  # of the way from scatter to slow changes
-    jitter = rest.scatter * np.exp(half) / float(np.median(place)), float(np.hypot(own.scatter, half))
-    there = _log_of_a_place(float(np.median(place)), float(np.median(expected[rows])), settings, own)
-    orders = np.maximum(np.log(off / limit[rows]), 1.0)
-    wild = np.log(0.5 / settings.constant.range + 0.5 * place / (2 * off * orders)).sum()
-    as_constant = log_constant(values[rows], least, settings.constant) + here - chosen
-    as_echoes = log_constant(values[rows], least, settings.constant, jitter) + there - chosen
-    return float(as_constant - np.logaddexp(wild, as_echoes)), rows
+    there = _log_of_a_place(place, float(np.median(found.expected)), settings, own)
+    chosen = log_choices(len(found.rows), len(found.rows) + found.others)
+    as_constant, as_echoes = (log - chosen for log in (found.as_constant + here, found.as_echoes + there))
+    return float(as_constant - np.logaddexp(found.as_wild, as_echoes)), found.rows
 
 
 def _log_of_a_place(place: float, expected: float, settings: FaultSettings, own: Thresholds) -> float:

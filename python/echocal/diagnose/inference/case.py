@@ -178,7 +178,8 @@ class Case:
             return Stack(self.without_slow_air(products), log_weight, degrees, noises)
         still = [replace(noise, slow_air=0.0, prior=1.0) for noise in noises]
         each = list(dict.fromkeys(still))  # the same for each difference of the air
-        at = [each.index(noise) for noise in still]
+        places = {noise: place for place, noise in enumerate(each)}
+        at = [places[noise] for noise in still]
         products, log_weight = self.sums.whiten_all(each, blocks)
         # the columns are of one kelvin; without a difference, none is taken out
         with np.errstate(divide="ignore"):

@@ -36,6 +36,11 @@ class Hypothesis:
     prior: float
 
     @cached_property
+    def log_prior(self) -> float:
+        """Logarithm of the probability before the data."""
+        return math.log(self.prior) if self.prior > 0.0 else -math.inf
+
+    @cached_property
     def causes(self) -> tuple[str, ...]:
         """Ids of its causes."""
         return tuple(variant.cause for variant in self.variants)
@@ -161,8 +166,7 @@ class HypothesisFit(NamedTuple):
     @property
     def log_posterior(self) -> float:
         """Up to the constant that normalizes: docs/method.md, Eq. 18."""
-        prior = self.hypothesis.prior
-        return self.log_evidence + (math.log(prior) if prior > 0.0 else -math.inf)
+        return self.log_evidence + self.hypothesis.log_prior
 
 
 def fit_hypothesis(hypothesis: Hypothesis, stack: Stack, *, one_width: bool = False) -> HypothesisFit:

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from echocal import _core
 from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
@@ -12,6 +13,8 @@ from echocal.diagnose.settings.noises import NoiseSettings
 from echocal.diagnose.settings.threshold import threshold
 
 __all__ = ["NOISE"]
+
+Column = NDArray[np.float64]
 
 _GROWTH = np.geomspace(0.05, 20.0, 9)  # 1/m
 
@@ -60,8 +63,7 @@ def fit(trace: Trace, settings: NoiseSettings) -> Likelihood | None:
     own, distance = settings.of(FACTS, Thresholds), trace.distance
     if np.ptp(distance) < own.spread * distance.mean() or not trace.innovation.any():
         return None
-    rise = np.corrcoef(np.abs(trace.innovation), distance)[0, 1] * np.sqrt(len(trace))
-    if not rise > settings.worth:
+    if not _correlation(np.abs(trace.innovation), distance) * np.sqrt(len(trace)) > settings.worth:
         return None
     # an innovation depends on the row before, too: successive rows have nearly the same distance
     wide = 1 + np.outer(_GROWTH, distance)
@@ -75,8 +77,8 @@ def fit(trace: Trace, settings: NoiseSettings) -> Likelihood | None:
     mean = float(np.exp(share @ np.log(_GROWTH)))
     spread = mean * float(np.sqrt(share @ (np.log(_GROWTH) - np.log(mean)) ** 2))
     kernel = int(logs[:, best].argmax())
-    near, far = (distance <= np.quantile(distance, 0.25)), (distance >= np.quantile(distance, 0.75))
-    scatter = [1e3 * float(np.std(trace.left[rows])) for rows in (near, far)]
+    first, last = np.quantile(distance, (0.25, 0.75))
+    scatter = [1e3 * float(np.std(trace.left[rows])) for rows in (distance <= first, distance >= last)]
     because = (
         f"the nearest quarter of the rows scatters by {scatter[0]:.2f} mm, the farthest {scatter[1]:.2f} mm "
         "(standard deviation of what the causes leave)"
@@ -87,6 +89,12 @@ def fit(trace: Trace, settings: NoiseSettings) -> Likelihood | None:
     return Likelihood(
         average - 0.5 * np.log(len(trace)), parameters, because, scatter[1] > own.matters * scatter[0]
     )
+
+
+def _correlation(one: Column, other: Column) -> float:
+    """Of two columns; 0 where one is constant. `numpy.corrcoef` takes five times as long for 1,000 rows."""
+    one, other = one - one.mean(), other - other.mean()
+    return float(one @ other) / max(float(np.sqrt((one @ one) * (other @ other))), 1e-300)
 
 
 def draw(table: Columns, random: np.random.Generator) -> None:

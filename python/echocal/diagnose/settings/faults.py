@@ -74,7 +74,20 @@ class Constant:
     jitter: float = threshold(
         5e-3, "1", "largest relative standard deviation: tens of us in pulses of some 10 ms; judgement"
     )
+    among: float = threshold(
+        0.05,
+        "1",
+        "prior of a constant that is not longer than every good reading, over that of others; judgement",
+    )
     wild: float = threshold(0.05, "1", "part of the rows beside it that are there by chance; judgement")
+    window: float = threshold(
+        0.01, "1", "of the logarithm, in which the rows of one value lie: twice the largest jitter"
+    )
+    of_echoes: float = threshold(
+        1.5,
+        "1",
+        "standard deviation of the log scatter of one thing's echoes: they vary four times as much or less",
+    )
     range: float = threshold(8.0, "1", "of the logarithm, in which a value may lie anywhere: exp(8) is 3,000")
 
 

@@ -39,6 +39,8 @@ class Found:
         By which a correction finds such rows in another table.
     share : float
         Its part of the variance of the noise; 0 where no verdict counts it.
+    rivals : tuple of str
+        Causes that these rows cannot separate from it.
     """
 
     rows: NDArray[np.bool_]
@@ -48,6 +50,7 @@ class Found:
     repaired: Observations | None = field(default=None, repr=False)
     rules: tuple[RowRule, ...] = ()
     share: float = 1.0
+    rivals: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -89,5 +92,6 @@ class Fault:
             found.rows,
             view.without(found.rows, self.facts.id) if found.repaired is None else found.repaired,
             found.share,
+            rivals=found.rivals,
             rules=found.rules,
         )
