@@ -16,7 +16,7 @@ PACKAGE = ROOT / "python" / "echocal"
 LAYERS = (
     {"_core", "_interrupt", "_verb", "errors", "keywords", "shown"},
     {"codes", "reserved", "concise", "outputs", "checksums", "objects"},
-    {"places"},
+    {"places", "sensors", "thermistor"},
     {"quantities"},
     {"conditions"},
     {"domain", "air", "registry"},
@@ -25,7 +25,7 @@ LAYERS = (
     {"sweep", "calibrate", "engines"},
     {"budget"},
     {"virtual_bench", "correct"},
-    {"diagnose", "silicon", "echoes", "verify", "generated", "device_uncertainty"},
+    {"diagnose", "silicon", "echoes", "verify", "generated", "device_uncertainty", "recorded"},
     {"charts"},
     {"plots", "report", "firmware"},
     {"study", "explore", "per_unit", "emulation", "fleet", "watch", "accessor", "estimator"},

@@ -2,202 +2,10 @@
 
 use crate::error::Error;
 use crate::output::Output;
-use crate::types::{IntegerType, Range};
 use serde::Serialize;
 
-/// One argument of the generated function: an integer code and the quantity it stands for, `value = zero + lsb * code`.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Axis {
-    /// Name of the C parameter.
-    pub name: String,
-    /// Influence quantity of the model that the code carries.
-    pub quantity: String,
-    /// Unit of `lsb` and `zero`, as the unit contract names it.
-    pub unit: String,
-    /// Value of one code.
-    pub lsb: f64,
-    /// Value at code 0.
-    pub zero: f64,
-    /// Codes that the function accepts.
-    pub codes: Range,
-    /// Type of the C parameter.
-    #[serde(rename = "type")]
-    pub ty: IntegerType,
-}
-
-/// Tolerance of the ends of a range \[codes\]. 0.1 degC is no binary fraction, and -20 degC must still be code -200: the
-/// rounding error of such a quotient is below 1e-10 codes.
-const SLACK: f64 = 1e-9;
-
-impl Axis {
-    /// Echo times of `shortest` to `longest` \[us\], in ticks of `lsb` \[us\].
-    ///
-    /// # Errors
-    /// If the tick is not positive, the longest time is not 1 ..= 65535 ticks, or the shortest is below 0 or leaves no
-    /// two codes.
-    pub fn echo(lsb: f64, shortest: f64, longest: f64) -> Result<Self, Error> {
-        if !(lsb.is_finite() && lsb > 0.0) {
-            return Err(Error::Codes(format!(
-                "echo LSB {lsb} us is no tick of a timer: give a positive number [us]"
-            )));
-        }
-        let last = (longest / lsb + SLACK).floor();
-        if !(1.0..=65_535.0).contains(&last) {
-            let code = if lsb == 1.0 {
-                String::new()
-            } else {
-                format!(" is code {last} of LSB {lsb} us: it")
-            };
-            return Err(Error::Codes(format!(
-                "echo max {longest} us{code} is outside 1 .. 65535, what a uint16_t holds"
-            )));
-        }
-        let first = (shortest / lsb - SLACK).ceil() + 0.0; // no -0 in a message
-        // Not a number, and it is refused too: every comparison with one is false.
-        if !(0.0 <= first && first < last) {
-            return Err(Error::Codes(format!(
-                "echo times {shortest} .. {longest} us of LSB {lsb} us are codes {first} .. {last}: give an echo min of 0 or more, below the echo max"
-            )));
-        }
-        let name = if lsb == 1.0 { "echo_us" } else { "echo_code" };
-        Ok(Self {
-            name: name.into(),
-            quantity: "time_of_flight".into(),
-            unit: "s".into(),
-            lsb: lsb * 1e-6,
-            zero: 0.0,
-            codes: Range {
-                minimum: first as i64,
-                maximum: last as i64,
-            },
-            ty: IntegerType::U16,
-        })
-    }
-
-    /// Air temperatures from `low` to `high` [degC] in steps of `lsb` [degC], code 0 standing for `zero` [degC]; of a
-    /// thermometer whose codes fall as it gets warmer, `lsb` is negative.
-    ///
-    /// # Errors
-    /// If the range is empty, not finite, or needs codes outside both `int16_t` and `uint16_t`.
-    pub fn temperature(lsb: f64, low: f64, high: f64, zero: f64) -> Result<Self, Error> {
-        let finite = [lsb, low, high, zero].iter().all(|value| value.is_finite());
-        if !finite || lsb == 0.0 || low > high {
-            return Err(Error::Codes(format!(
-                "temperature {low}:{high} degC with LSB {lsb} degC is not a range of codes: give low <= high and an LSB other than 0"
-            )));
-        }
-        let (start, end) = if lsb > 0.0 { (low, high) } else { (high, low) };
-        let first = ((start - zero) / lsb - SLACK).ceil() + 0.0; // no -0 in a message
-        let last = ((end - zero) / lsb + SLACK).floor();
-        let ty = holding(first, last);
-        let held = ty.range();
-        if first < held.minimum as f64 || last > held.maximum as f64 {
-            return Err(Error::Codes(format!(
-                "temperature {low}:{high} degC with LSB {lsb} degC needs codes {first} .. {last}, and {} holds {} .. {}: use a coarser LSB",
-                ty.c_name(),
-                held.minimum,
-                held.maximum
-            )));
-        }
-        if first > last {
-            return Err(Error::Codes(format!(
-                "temperature {low}:{high} degC holds no code of LSB {lsb} degC"
-            )));
-        }
-        let codes = Range {
-            minimum: first as i64,
-            maximum: last as i64,
-        };
-        Ok(Self {
-            name: "temperature_code".into(),
-            quantity: "temperature".into(),
-            unit: "degC".into(),
-            lsb,
-            zero,
-            codes,
-            ty,
-        })
-    }
-
-    /// Relative humidities from `low` to `high` in steps of `lsb` \[1\], code 0 standing for `zero` \[1\].
-    ///
-    /// # Errors
-    /// If the range is empty, leaves 0 .. 1, or needs codes outside `uint8_t`.
-    pub fn humidity(lsb: f64, low: f64, high: f64, zero: f64) -> Result<Self, Error> {
-        let inside = lsb > 0.0 && 0.0 <= low && low <= high && high <= 1.0 && zero.is_finite();
-        if !inside {
-            return Err(Error::Codes(format!(
-                "relative humidity {low}:{high} with LSB {lsb} is not a range of codes: give 0 <= low <= high <= 1 and LSB > 0"
-            )));
-        }
-        let codes = Range {
-            minimum: ((low - zero) / lsb - SLACK).ceil() as i64,
-            maximum: ((high - zero) / lsb + SLACK).floor() as i64,
-        };
-        if codes.minimum > codes.maximum {
-            return Err(Error::Codes(format!(
-                "relative humidity {low}:{high} holds no code of LSB {lsb}"
-            )));
-        }
-        if codes.minimum < 0 || codes.maximum > 255 {
-            return Err(Error::Codes(format!(
-                "relative humidity {low}:{high} with LSB {lsb} needs codes {} .. {}, a uint8_t holds 0 .. 255: change the LSB",
-                codes.minimum, codes.maximum
-            )));
-        }
-        Ok(Self {
-            name: "humidity_code".into(),
-            quantity: "relative_humidity".into(),
-            unit: "1".into(),
-            lsb,
-            zero,
-            codes,
-            ty: IntegerType::U8,
-        })
-    }
-
-    /// The quantity at `code`, in `unit`.
-    #[must_use]
-    pub fn value(&self, code: i64) -> f64 {
-        self.lsb.mul_add(code as f64, self.zero)
-    }
-
-    /// The time \[us\] at `code`, of an axis in seconds, to 1e-6 us: 50 us are 50, not 49.99999999999999.
-    #[must_use]
-    pub fn us(&self, code: i64) -> f64 {
-        (self.value(code) * 1e12).round() / 1e6
-    }
-
-    /// A value of the quantity in words; a number without a unit is only a number.
-    #[must_use]
-    pub fn with_unit(&self, value: f64) -> String {
-        match self.unit.as_ref() {
-            "1" => value.to_string(),
-            unit => format!("{value} {unit}"),
-        }
-    }
-
-    /// How many codes the function accepts.
-    #[must_use]
-    pub fn len(&self) -> usize {
-        (self.codes.maximum - self.codes.minimum + 1) as usize
-    }
-
-    /// Never: an axis holds at least one code.
-    #[must_use]
-    pub fn is_empty(&self) -> bool {
-        false
-    }
-}
-
-/// The type of codes: signed, unless they need the unsigned one.
-fn holding(first: f64, last: f64) -> IntegerType {
-    if first >= 0.0 && last > 32_767.0 {
-        IntegerType::U16
-    } else {
-        IntegerType::I16
-    }
-}
+pub use crate::axis::Axis;
+use crate::axis::SLACK;
 
 /// Without an echo an SRF04 ends its pulse after "about 36 ms" (documentation of its maker), an HC-SR04 after 38 ms (data
 /// sheet). A pulse longer than this \[us\], 2.8 % less as `echocal.echoes` has it, and than the accepted ones, is no echo.
@@ -313,18 +121,20 @@ impl Device {
     }
 
     /// Rows that stand for all while forms are chosen: every code of the first condition, and about `columns` of the
-    /// combinations of the others, the first and the last among them.
+    /// combinations of the others, the first and the last among them, those with the lowest index first.
     #[must_use]
     pub fn thinned(&self, columns: usize) -> Vec<usize> {
         let first = self.conditions.first().map_or(1, Axis::len);
         let wide = self.rows() / first;
         let kept = wide.min(columns.max(2));
+        let falling = self.conditions.get(1).is_some_and(Axis::falls);
         let column = |k: usize| {
-            if kept < 2 {
+            let rising = if kept < 2 {
                 0
             } else {
                 k * (wide - 1) / (kept - 1)
-            }
+            };
+            if falling { wide - 1 - rising } else { rising }
         };
         let row = |index: usize| (0..kept).map(move |k| index * wide + column(k));
         (0..first).flat_map(row).collect()
@@ -348,6 +158,37 @@ impl Device {
     }
 }
 
+/// Most combinations of condition codes. The search and the proof took 13 us for each, on one core of two: 26 s.
+const MOST_ROWS: usize = 2_000_000;
+
+/// Check that the combinations of conditions can be proven in half a minute of processor time.
+///
+/// # Errors
+/// If there are too many.
+pub fn check_rows(conditions: &[Axis]) -> Result<(), Error> {
+    let found = rows(conditions);
+    if found <= MOST_ROWS {
+        return Ok(());
+    }
+    let counts: Vec<String> = conditions
+        .iter()
+        .map(|axis| {
+            format!(
+                "{} of {} in steps of {}",
+                axis.len(),
+                axis.name,
+                axis.with_unit(axis.resolution())
+            )
+        })
+        .collect();
+    let bits = found.div_ceil(MOST_ROWS).next_power_of_two().ilog2();
+    Err(Error::Codes(format!(
+        "{} are {found} combinations, and this version proves up to {MOST_ROWS}, for half a minute: let the function drop \
+         {bits} bits of them together (temperature shift, humidity shift), or accept a smaller range",
+        counts.join(" times "),
+    )))
+}
+
 /// How many combinations of the codes of some conditions there are.
 pub(crate) fn rows(conditions: &[Axis]) -> usize {
     conditions.iter().map(Axis::len).product()
@@ -358,7 +199,7 @@ fn codes(conditions: &[Axis], row: usize) -> Vec<i64> {
     let mut rest = row;
     let mut codes: Vec<i64> = Vec::with_capacity(conditions.len());
     for axis in conditions.iter().rev() {
-        codes.push(axis.codes.minimum + (rest % axis.len()) as i64);
+        codes.push(axis.code(rest % axis.len()));
         rest /= axis.len();
     }
     codes.reverse();

@@ -2,7 +2,8 @@
 //! calibrated one.
 
 use crate::error::Error;
-use crate::output::{OUT_OF_RANGE, Output};
+use crate::output::Output;
+use crate::types::IntegerType;
 use serde::Serialize;
 
 /// Windows that are offered. Their middle is one measurement, and a status of 8 bits counts them.
@@ -13,6 +14,9 @@ pub const WINDOWS: [usize; 3] = [3, 5, 7];
 pub const TOO_FEW: u8 = 254;
 /// Status where too few of the last distances lie within the gate about their median.
 pub const OUTLIERS: u8 = 255;
+
+/// What stands for no distance: the output of the calibrated function for codes that it does not accept.
+pub const OUT_OF_RANGE: i32 = i32::MIN;
 
 /// A median filter.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -34,11 +38,18 @@ impl Filter {
     /// A filter of `window` measurements, with a gate \[m\].
     ///
     /// # Errors
-    /// If there is no such window, or the gate is less than one unit of the output, or more than it holds.
+    /// If there is no such window, or the gate is less than one unit of the output, or more than it holds, or if the
+    /// output is no `int32_t`.
     pub fn new(window: usize, gate: Option<f64>, output: &Output) -> Result<Self, Error> {
         if !WINDOWS.contains(&window) {
             return Err(Error::Request(format!(
                 "a median of {window} measurements is not offered; choose 3, 5 or 7"
+            )));
+        }
+        if output.ty != IntegerType::I32 {
+            return Err(Error::Request(format!(
+                "the median filter takes distances of 32 bits, and {} has 16: choose the output type int32, or no filter",
+                output.unit
             )));
         }
         let units = |gate: f64| {
@@ -109,8 +120,8 @@ impl Filter {
 
 #[cfg(test)]
 mod tests {
-    use super::{Filter, OUTLIERS, State, TOO_FEW, WINDOWS};
-    use crate::output::{OUT_OF_RANGE, Output};
+    use super::{Filter, OUT_OF_RANGE, OUTLIERS, State, TOO_FEW, WINDOWS};
+    use crate::output::Output;
 
     fn filter(window: usize, gate: Option<f64>) -> Filter {
         Filter::new(window, gate, &Output::MICROMETERS).unwrap()

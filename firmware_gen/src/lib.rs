@@ -8,7 +8,7 @@
 //!
 //! 1. `types`: integer types of C and their ranges. `error`: the errors. `affine`, `jet`, `minimax`: numerics. `hash`:
 //!    the hash of all outputs.
-//! 2. `output`: the unit of the result.
+//! 2. `axis`: the codes of one quantity. `output`: the unit and the type of the result.
 //! 3. `device`: the codes that the device measures. `filter`: the median of the last outputs.
 //! 4. `ir`: programs of exact integer operations, and the twin.
 //! 5. `reference`: the model that a program must follow. `target`: costs on each core.
@@ -20,6 +20,7 @@
 //! distances are in meters.
 
 pub mod affine;
+pub mod axis;
 pub mod design;
 pub mod device;
 pub mod emit;
@@ -37,8 +38,9 @@ pub mod reference;
 pub mod target;
 pub mod types;
 
+pub use axis::{Axis, Codes, Curve};
 pub use design::{Design, Failure, Progress, Reachable, Request, design};
-pub use device::{Axis, Device, Status};
+pub use device::{Device, Status};
 pub use emit::{Measurement, Package, Provenance, Uncertainty, emit};
 pub use error::Error;
 pub use filter::Filter;

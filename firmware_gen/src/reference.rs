@@ -136,7 +136,7 @@ fn line(
         return Err(Error::Model(format!(
             "the model's distance does not grow with the echo time at {}: {start:.0} {unit} at echo code {first}, {end:.0} {unit} at {last}",
             place(device, row, last),
-            unit = device.output.unit
+            unit = device.output.text()
         )));
     }
     let chord = (end - start) / (last - first) as f64;
@@ -189,6 +189,44 @@ pub fn check_bounded(
         ))),
         _ => Ok(()),
     }
+}
+
+/// Check that the type of the output holds the distances at the ends of the echo codes, at the combinations `rows`.
+///
+/// # Errors
+/// [`Error::Request`] if it does not.
+pub fn check_type(reference: &dyn Reference, device: &Device, rows: &[usize]) -> Result<(), Error> {
+    let (output, codes) = (device.output, device.echo.codes);
+    let held = output.distances();
+    for row in rows {
+        let mut found = [0.0; 2];
+        let times = [codes.minimum, codes.maximum].map(|code| device.echo.value(code));
+        reference.distances(&device.values(*row), &times, &mut found);
+        for (echo, distance) in [codes.minimum, codes.maximum].into_iter().zip(found) {
+            let units = distance * output.per_meter;
+            if units < held.minimum as f64 || units > held.maximum as f64 {
+                return Err(Error::Request(format!(
+                    "the distance is {distance:.4} m at {place}, and {ty} in steps of {unit} holds {least:.4} .. {most:.4} m: \
+                     accept shorter echoes (echo max, or largest distance), or choose a coarser output unit{wider}",
+                    place = place(device, *row, echo),
+                    ty = output.ty.c_name(),
+                    unit = if output.text().starts_with(char::is_numeric) {
+                        output.text().into()
+                    } else {
+                        format!("1 {}", output.text())
+                    },
+                    least = held.minimum as f64 * output.lsb,
+                    most = held.maximum as f64 * output.lsb,
+                    wider = if output.ty == crate::types::IntegerType::I16 {
+                        ", or the output type int32"
+                    } else {
+                        ""
+                    },
+                )));
+            }
+        }
+    }
+    Ok(())
 }
 
 /// "echo_us 4321, temperature_code 16 (1 degC)"

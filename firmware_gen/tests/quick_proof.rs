@@ -127,6 +127,7 @@ impl Drawn {
             maximum_error: self.bound,
             maximum_distance: self.distance,
             maximum_table: 1024,
+            widest: 64,
             target: Target::parse(self.target).unwrap(),
             form: self.form,
             prefer: Prefer::parse(self.prefer).unwrap(),

@@ -1,12 +1,17 @@
 """What a device measures, as integers: ticks of a timer, codes of a thermometer and of a hygrometer."""
 
+from collections.abc import Mapping
 from dataclasses import astuple, dataclass, fields
 from numbers import Real
 from typing import Any, TypeVar
 
+import numpy as np
+
 from echocal.errors import UsageError
 
-__all__ = ["EchoCodes", "HumidityCodes", "TemperatureCodes", "codes_of", "count"]
+__all__ = ["EchoCodes", "HumidityCodes", "TemperatureCodes", "codes_of", "count", "numbers", "value_at"]
+
+_MOST_SHIFT = 24  # of codes of 32 bits 8 are left
 
 
 @dataclass(frozen=True)
@@ -23,11 +28,14 @@ class EchoCodes:
     shortest : float, optional
         Shortest echo time that it accepts [us]; default: the earliest echo from
         `echocal.echoes.BLANKING_M`, the least distance that an HC-SR04 measures.
+    bits : int
+        Bits of the timer: 16, or 32 for a ``uint32_t``.
     """
 
     lsb: float = 1.0
     longest: float | None = None
     shortest: float | None = None
+    bits: float = 16
 
 
 @dataclass(frozen=True)
@@ -42,12 +50,16 @@ class TemperatureCodes:
         Range that the firmware accepts [degC].
     zero : float
         Temperature of code 0 [degC].
+    shift : int
+        Lowest bits of the code that the function drops: it takes the middle of a step of 2^shift codes for
+        all of them. The header states what that costs. Codes below 0 cannot be shifted.
     """
 
     lsb: float = 0.0625
     low: float = -20.0
     high: float = 60.0
     zero: float = 0.0
+    shift: float = 0
 
 
 @dataclass(frozen=True)
@@ -57,17 +69,20 @@ class HumidityCodes:
     Parameters
     ----------
     lsb : float
-        Step of one code [1]; 0.01 for whole percents.
+        Step of one code [1]; 0.01 for whole percents. Negative if the codes fall when the humidity rises.
     low, high : float
         Range that the firmware accepts [1].
     zero : float
         Relative humidity of code 0 [1].
+    shift : int
+        Lowest bits of the code that the function drops, as for `TemperatureCodes`.
     """
 
     lsb: float = 0.01
     low: float = 0.0
     high: float = 1.0
     zero: float = 0.0
+    shift: float = 0
 
 
 Codes = TypeVar("Codes", EchoCodes, TemperatureCodes, HumidityCodes)
@@ -92,6 +107,44 @@ def codes_of(name: str, kind: type[Codes], request: Any) -> Codes:
     order = ", ".join(field.name for field in fields(kind))
     message = f"{name} is {request!r}; give {kind.__name__}({order}), or the numbers as a tuple"
     raise UsageError(message)
+
+
+def numbers(name: str, codes: TemperatureCodes | HumidityCodes) -> tuple[float, float, float, float, int]:
+    """Return step, ends, value of code 0 and dropped bits, as the core takes them.
+
+    Raises
+    ------
+    UsageError
+        If the number of dropped bits is no whole number.
+    """
+    shift = count(f"the shift of {name}", codes.shift, _MOST_SHIFT, least=0)
+    return float(codes.lsb), float(codes.low), float(codes.high), float(codes.zero), shift
+
+
+def value_at(axis: Mapping[str, Any], code: Any) -> Any:
+    """Return what the function takes a code for: the middle of its step, where bits are dropped.
+
+    Parameters
+    ----------
+    axis : mapping
+        A condition of ``report["device"]``.
+    code : int or array_like of int, shape (...)
+        Codes.
+
+    Returns
+    -------
+    float or ndarray, shape (...)
+        Values in the unit of the axis.
+
+    Examples
+    --------
+    >>> value_at({"lsb": 0.25, "zero": -10.0, "shift": 2}, 41)
+    0.375
+    """
+    if "values" in axis:
+        return np.asarray(axis["values"])[code - axis["codes"]["minimum"]]
+    step = 1 << axis.get("shift", 0)
+    return axis["zero"] + axis["lsb"] * ((code & -step) + (step - 1) / 2)
 
 
 def count(name: str, value: float, most: int, *, least: int | None = None) -> int:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from echocal.budget import complete
 from echocal.budget.stated import Uncertainties
+from echocal.codes import value_at
 from echocal.correct.uncertainty import included, standard_uncertainty
 from echocal.errors import DomainWarning, UsageError
 from echocal.keywords import keyword
@@ -156,7 +157,7 @@ def _conditions(
     values = {name: value for name, value in found.items() if value is not None}
     tried = []
     for axis in axes:
-        ends = sorted(axis["zero"] + axis["lsb"] * code for code in axis["codes"].values())
+        ends = sorted(value_at(axis, code) for code in axis["codes"].values())
         tried.append(
             np.linspace(ends[0], ends[1], _PLACES if axis["quantity"] == "temperature" else 3).tolist()
         )
@@ -178,7 +179,8 @@ def _inputs(
     tick = device["echo"]["lsb"]
     sizes, words = {"echo_time": tick * _RECTANGULAR}, [f"echo times in steps of {tick * 1e6:g} us"]
     for axis in device["conditions"]:
-        step, unit = abs(axis["lsb"]), "" if axis["unit"] == "1" else f" {axis['unit']}"
+        unit = "" if axis["unit"] == "1" else f" {axis['unit']}"
+        step = abs(axis["lsb"]) * (1 << axis.get("shift", 0))
         sizes[axis["quantity"]] = step * _RECTANGULAR
         at = f"{conditions[axis['quantity']]:g}{unit}"
         words.append(f"{axis['quantity']} in steps of {step:g}{unit}; the uncertainty is largest at {at}")

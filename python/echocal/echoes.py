@@ -23,7 +23,8 @@ _TIMEOUT = "the time-out pulse of an SRF04 or HC-SR04 without an echo, 36 to 38 
 _LONGEST_US = 35_000.0
 """Longest default echo time [us]: a round number, 2.8 % below the shorter time-out of 36 ms."""
 
-_CODES = 65_535  # codes of a uint16_t above 0
+_BITS = (16, 32)
+_CODES = {16: 65_535, 32: 2**24 - 1}  # codes above 0: of a uint16_t; those that are proven in a minute
 _SLACK = 1e-9  # of a code; an echo time that is a code exactly stays that code
 
 Echo = float | EchoCodes | tuple[float, ...] | None
@@ -39,6 +40,8 @@ class Accepted:
         Tick of the timer [us].
     shortest, longest : float
         Ends [us].
+    bits : int
+        Bits of the timer.
     cut : str or None
         The reason, if the default longest echo time is shorter than the echo from the largest distance.
     """
@@ -46,12 +49,13 @@ class Accepted:
     tick: float
     shortest: float
     longest: float
+    bits: int = 16
     cut: str | None = None
 
     @property
-    def codes(self) -> tuple[float, float, float]:
-        """Tick, shortest and longest [us], as the core takes them."""
-        return self.tick, self.shortest, self.longest
+    def codes(self) -> tuple[float, float, float, int]:
+        """Tick, shortest and longest [us], and bits of the timer, as the core takes them."""
+        return self.tick, self.shortest, self.longest, self.bits
 
 
 def accepted(model: _core.Model, request: Mapping[str, Any], echo: Echo) -> Accepted:
@@ -78,24 +82,27 @@ def accepted(model: _core.Model, request: Mapping[str, Any], echo: Echo) -> Acce
         If a default end leaves no echo time between the two.
     """
     asked = _asked(echo)
-    tick, shortest, longest = float(asked.lsb), asked.shortest, asked.longest
+    tick, shortest, longest, bits = float(asked.lsb), asked.shortest, asked.longest, int(asked.bits)
+    if asked.bits not in _BITS:
+        message = f"{keyword('bits', asked.bits)}: a timer has 16 or 32 bits in this version"
+        raise UsageError(message)
     if not (math.isfinite(tick) and tick > 0):
         return Accepted(tick, 0.0, _LONGEST_US)
     if shortest is not None and longest is not None:
-        return Accepted(tick, float(shortest), float(longest))
-    most = _most(tick) if longest is None else float(longest)
+        return Accepted(tick, float(shortest), float(longest), bits)
+    most = _most(tick, bits) if longest is None else float(longest)
     distances = [BLANKING_M, request["maximum_distance"]]
     soonest, latest = zip(*_core.echo_times(model, dict(request), distances), strict=True)
     first = _first(soonest[0] * 1e6, tick) if shortest is None else float(shortest)
     if longest is not None:
         if most <= first:
             raise UsageError(_ends_early(most, first))
-        return Accepted(tick, first, most)
-    last, cut = _last([time * 1e6 for time in latest], tick, most, distances)
+        return Accepted(tick, first, most, bits)
+    last, cut = _last([time * 1e6 for time in latest], (tick, bits), most, distances)
     if last <= first:
         message = _too_late(first, last, cut) if shortest is not None else _no_room(tick, distances[1], cut)
         raise UsageError(message)
-    return Accepted(tick, first, last, cut)
+    return Accepted(tick, first, last, bits, cut)
 
 
 def _asked(echo: Echo) -> EchoCodes:
@@ -107,9 +114,9 @@ def _asked(echo: Echo) -> EchoCodes:
     return EchoCodes(1.0, float(count("echo", echo, 2**31 - 1)))
 
 
-def _most(tick: float) -> float:
-    """Return the longest default echo time [us]: a code of 16 bits."""
-    code = min(_CODES, math.floor(_LONGEST_US / tick + _SLACK))
+def _most(tick: float, bits: int) -> float:
+    """Return the longest default echo time [us]: a code of the timer."""
+    code = min(_CODES[bits], math.floor(_LONGEST_US / tick + _SLACK))
     if code < 1:
         message = (
             f"a tick of {tick:g} us is longer than any echo, {_LONGEST_US:g} us: give a finer one "
@@ -127,15 +134,19 @@ def _first(near: float, tick: float) -> float:
     return tick * max(1, math.floor(near / tick + _SLACK)) if math.isfinite(near) else tick
 
 
-def _last(latest: list[float], tick: float, most: float, distances: list[float]) -> tuple[float, str | None]:
+def _last(
+    latest: list[float], timer: tuple[float, int], most: float, distances: list[float]
+) -> tuple[float, str | None]:
     """Return the echo time [us] of the code that the longest echo gives, however the timer rounds.
 
     Parameters
     ----------
     latest : list of float
         Longest echo time at each of `distances` [us].
-    tick, most : float
-        Tick of the timer, and the longest default echo time [us].
+    timer : tuple of float and int
+        Tick of the timer [us], and its bits.
+    most : float
+        The longest default echo time [us].
     distances : list of float
         The blanking distance and the largest one [m].
 
@@ -144,17 +155,18 @@ def _last(latest: list[float], tick: float, most: float, distances: list[float])
     tuple of float and (str or None)
         The echo time, at most `most`; why it is cut, if it is.
     """
-    far, largest = latest[1], distances[1]
+    (tick, bits), far, largest = timer, latest[1], distances[1]
     if not (math.isfinite(far) and far > 0):
         return most, f"echo times end at {most:g} us: the model has none at {largest:g} m"
     last = tick * math.ceil(far / tick - _SLACK)
     if last <= most:
         return last, None
     reach = BLANKING_M + (largest - BLANKING_M) * (most - latest[0]) / (far - latest[0])
-    if tick * _CODES < _LONGEST_US:
+    if tick * _CODES[bits] < _LONGEST_US:
+        wider = f"a timer of 32 bits ({keyword('bits', 32)}), " if bits == 16 else ""
         why = (
-            f"a 16-bit timer with a tick of {tick:g} us ends there; a coarser tick ({keyword('lsb')}) or a "
-            f"shorter distance ({keyword('max_distance')}) mends that"
+            f"a {bits}-bit timer with a tick of {tick:g} us ends there; {wider}a coarser tick "
+            f"({keyword('lsb')}) or a shorter distance ({keyword('max_distance')}) mends that"
         )
     else:
         why = f"{_TIMEOUT} must not be returned as a distance; {keyword('longest')} accepts longer ones"

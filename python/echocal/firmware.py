@@ -10,21 +10,23 @@ from typing import Any
 
 from echocal import _core, echoes, silicon
 from echocal.budget.stated import Uncertainties
-from echocal.codes import EchoCodes, HumidityCodes, TemperatureCodes, codes_of, count
+from echocal.codes import EchoCodes, HumidityCodes, TemperatureCodes, codes_of, count, numbers
 from echocal.conditions import columns
 from echocal.device_uncertainty import expanded_uncertainty
 from echocal.domain import describe
 from echocal.errors import BoundError, DomainWarning, UsageError
 from echocal.generated import Firmware
-from echocal.keywords import command_line, exact, keyword
+from echocal.keywords import exact, keyword
 from echocal.model import Model
 from echocal.model.needs import assumed
 from echocal.model.origin import diagnosed
 from echocal.model.uncertainty import stated
+from echocal.recorded import WIDEST, recorded_command
 from echocal.registry import find_effect
 from echocal.reserved import RESERVED
+from echocal.thermistor import ThermistorCodes
 
-__all__ = ["EchoCodes", "Firmware", "HumidityCodes", "TemperatureCodes", "generate"]
+__all__ = ["EchoCodes", "Firmware", "HumidityCodes", "TemperatureCodes", "ThermistorCodes", "generate"]
 
 Progress = Callable[[str, int, int], object]
 
@@ -34,16 +36,18 @@ _WITHOUT_C = ("micropython", "rust")
 _DS18B20 = TemperatureCodes()
 _NAME = re.compile(r"[a-z][a-z0-9]*(_[a-z0-9]+)*")  # valid in C, C++ and Python; no two differ by case alone
 _LONGEST_NAME = 19  # C99 compares 31 characters of an external name (5.2.4.1); _output_hash has 12
+_SUFFIXES = dict(_core.output_units())
 
 
 def generate(
     model: Model,
     target: str = "c99",
     *,
-    temperature: TemperatureCodes | tuple[float, float, float] = _DS18B20,
+    temperature: TemperatureCodes | ThermistorCodes | tuple[float, float, float] = _DS18B20,
     humidity: HumidityCodes | tuple[float, float, float] | None = None,
     echo: echoes.Echo = None,
     output_unit: str = "um",
+    output_type: str | None = None,
     max_error: float = 0.5e-3,
     max_distance: float = 4.0,
     prefer: str = "size",
@@ -53,6 +57,7 @@ def generate(
     max_table_bytes: int = 1024,
     median: int | None = None,
     gate: float | None = None,
+    max_bits: int = 64,
     package: str = "c",
     name: str = "echocal",
     uncertainties: Iterable[str] | Mapping[str, float] = (),
@@ -70,17 +75,23 @@ def generate(
         The model to follow. It gives the true distance from echo time and temperature.
     target : str
         Core that the C is for: ``"avr"``, ``"cortex-m0"``, ``"cortex-m3"``, ``"cortex-m4f"``, ``"rv32"``,
-        ``"rv32e"`` (without multiplier), or ``"c99"``, any compiler with ``stdint.h``.
-    temperature : TemperatureCodes or tuple of (lsb, low, high)
-        Codes of the thermometer [degC].
+        ``"rv32e"`` (without multiplier), or ``"c99"``, any compiler with ``stdint.h``. ``"cortex-m4"``,
+        ``"cortex-m7"``, ``"esp32"``, ``"rp2040"`` and ``"msp430"`` give the C of ``"c99"``.
+    temperature : TemperatureCodes, ThermistorCodes or tuple of (lsb, low, high)
+        Codes of the thermometer [degC], or of a converter that measures a thermistor in a divider.
     humidity : HumidityCodes or tuple of (lsb, low, high), optional
-        Codes of the hygrometer [1]; default: the device has none.
+        Codes of the hygrometer [1]; default: the device has none. `echocal.sensors.SENSORS` has those of
+        known parts.
     echo : float, EchoCodes or tuple of (lsb, longest, shortest), optional
         Longest and shortest accepted echo time [us], and tick `lsb` of the timer [us], 1 us by default.
         The default of the shortest is the earliest echo from `echocal.echoes.BLANKING_M`. The default of the
         longest is the latest echo from `max_distance`. Both cover all conditions that the device accepts.
-    output_unit : {"um", "mm", "cm"}
-        Unit of the output. It is also the end of the function's name: ``echocal_distance_um``.
+    output_unit : str
+        Unit of the output: ``"um"``, ``"0.1mm"``, ``"mm"``, ``"cm"``, ``"0.01in"``, ``"in"``, or meters as a
+        binary fixed-point number: ``"Q16.16"``, ``"Q8.24"``, ``"Q8.8"``, ``"Q4.12"``, ``"Q3.13"``. It is also
+        the end of the function's name: ``echocal_distance_um``, ``echocal_distance_q16_16``.
+    output_type : {"int32", "int16"}, optional
+        Type of the output; default: ``"int32"``, and for Q formats of 16 bits ``"int16"``.
     max_error : float
         Largest error against the model at distances up to `max_distance` [m]; 0.5 mm is ``0.5e-3``.
     max_distance : float
@@ -102,6 +113,9 @@ def generate(
         Write a second C function beside the first: the median of this many of the last distances.
     gate : float, optional
         Largest distance from that median at which a distance supports it [m].
+    max_bits : {32, 64}
+        Widest integer that the function computes with; 32 for a compiler without ``int64_t``, or to save the
+        library's product of 64 bits. ``report["widest_bits"]`` states what it needs.
     package : {"c", "arduino", "platformio", "esphome", "micropython", "esp-idf", "zephyr", "rust"}
         Kind of files: plain C with its self-test, an Arduino library with an example sketch, a
         PlatformIO project with the library in it, an external component for ESPHome, a module for
@@ -156,8 +170,13 @@ def generate(
     if measure and package in _WITHOUT_C:
         message = f"measure needs C, and the package {package} contains none: choose another package"
         raise UsageError(message)
-    _refuse_name(name)
-    codes = _above_absolute_zero(codes_of("temperature", TemperatureCodes, temperature))
+    _refuse_name(name, output_unit)
+    thermistor = temperature if isinstance(temperature, ThermistorCodes) else None
+    codes = _above_absolute_zero(
+        TemperatureCodes(1.0, thermistor.low, thermistor.high)
+        if thermistor
+        else codes_of("temperature", TemperatureCodes, temperature)
+    )
     humidity_codes = None if humidity is None else codes_of("humidity", HumidityCodes, humidity)
     assume = _mapped(assume)
     if humidity_codes is not None and "relative_humidity" in assume:
@@ -170,12 +189,15 @@ def generate(
         "name": name,
         "prefer": prefer,
         "form": form,
-        "temperature": _numbers(codes),
-        "humidity": None if humidity_codes is None else _numbers(humidity_codes),
+        "temperature": numbers("temperature", codes),
+        "thermistor": None if thermistor is None else (*thermistor.scale(), thermistor.words()),
+        "humidity": None if humidity_codes is None else numbers("humidity", humidity_codes),
         "output_unit": output_unit,
+        "output_type": output_type,
         "maximum_error": float(max_error),
         "maximum_distance": float(max_distance),
         "maximum_table": count("max_table_bytes", max_table_bytes, 2**31 - 1, least=0),
+        "widest": _bits(max_bits),
         "threads": _threads(n_threads),
         "accept": [find_effect(effect).id for effect in ([accept] if isinstance(accept, str) else accept)],
         "assumed": air,
@@ -191,7 +213,8 @@ def generate(
     request["echo"] = times.codes
     texts = _texts(uncertainties)
     known = Uncertainties.of(texts)
-    request["command"] = _command(request, model_name, assume, texts, measure, recorded or {})
+    more = {**({} if thermistor is None else {"ntc": thermistor.text()}), **(recorded or {})}
+    request["command"] = recorded_command(request, model_name, assume, texts, measure, more)
     try:
         core = _core.design_firmware(model._core, request, progress)
     except BoundError as error:
@@ -219,11 +242,12 @@ def _median(window: int | None, gate: float | None) -> tuple[int, float | None] 
     raise UsageError(message)
 
 
-def _refuse_name(name: str) -> None:
-    if not isinstance(name, str) or not _NAME.fullmatch(name) or len(name) > _LONGEST_NAME:
+def _refuse_name(name: str, unit: str) -> None:
+    longest = _LONGEST_NAME - max(0, len(_SUFFIXES.get(unit, "")) - len("um"))
+    if not isinstance(name, str) or not _NAME.fullmatch(name) or len(name) > longest:
         message = (
             f"{keyword('name', name)} cannot begin names of functions and files: give lower-case letters, "
-            f"digits and single underscores, a letter first, at most {_LONGEST_NAME} characters"
+            f"digits and single underscores, a letter first, at most {longest} characters"
         )
         raise UsageError(message)
     if name in RESERVED:
@@ -310,62 +334,12 @@ def _assumed(model: Model, assume: Mapping[str, float]) -> list[float]:
     return [float(value[0]) for value in values]
 
 
-def _numbers(codes: TemperatureCodes | HumidityCodes) -> tuple[float, float, float, float]:
-    """Return step, ends and value of code 0, as the core takes them."""
-    return float(codes.lsb), float(codes.low), float(codes.high), float(codes.zero)
+def _bits(widest: int) -> int:
+    if widest not in (32, WIDEST):
+        message = f"{keyword('max_bits', widest)} is no width of an integer: give 32 or {WIDEST}"
+        raise UsageError(message)
+    return widest
 
 
 def _threads(wanted: int | None) -> int:
     return count("n_threads", (os.cpu_count() or 1) if wanted is None else wanted, _MOST_THREADS, least=1)
-
-
-def _command(
-    request: Mapping[str, Any],
-    model_name: str,
-    assume: Mapping[str, float],
-    uncertainties: list[str],
-    measure: bool,
-    recorded: Mapping[str, Any],
-) -> str:
-    """Return the command line that makes the same files again."""
-    tick, shortest, longest = request["echo"]
-    package, unit = request["package"], request["output_unit"]
-    window, gate = request["median"] or (None, None)
-    options: dict[str, Any] = dict(
-        target=request["target"],
-        **_codes("temperature", request["temperature"]),
-        **_codes("humidity", request["humidity"]),
-        echo_lsb_us=None if tick == 1.0 else tick,
-        echo_min_us=shortest,
-        echo_max_us=longest,
-        max_error_mm=_millimeters(request["maximum_error"]),
-        output_unit=None if unit == "um" else unit,
-        max_distance_m=request["maximum_distance"],
-        prefer=request["prefer"],
-        form=request["form"] or None,
-        max_table_bytes=request["maximum_table"],
-        median=window,
-        gate_mm=None if gate is None else _millimeters(gate),
-        package=None if package == "c" else package,
-        name=None if request["name"] == "echocal" else request["name"],
-        accept=request["accept"],
-        assume=[f"{name}={exact(value)}" for name, value in sorted(assume.items())],
-        uncertainty=uncertainties,
-        measure=measure,
-        out="firmware",
-    )
-    return command_line("firmware", model_name, **{**options, **recorded})
-
-
-def _millimeters(size: float) -> float:
-    """The shortest number of millimeters that reads back to a size [m], as the command reads it."""
-    texts = (float(f"{size * 1e3:.{digits}g}") for digits in range(1, 18))
-    return next((text for text in texts if text * 1e-3 == size), size * 1e3)
-
-
-def _codes(name: str, codes: tuple[float, float, float, float] | None) -> dict[str, Any]:
-    """Options of the codes of a quantity; none if it is not measured."""
-    if codes is None:
-        return {}
-    lsb, low, high, zero = codes
-    return {f"{name}_lsb": lsb, f"{name}_range": f"{exact(low)}:{exact(high)}", f"{name}_zero": zero or None}

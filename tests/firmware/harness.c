@@ -9,12 +9,18 @@
 #include "echocal_correction.h"
 #include "hash.h"
 
-/* The function's name and the type of its temperature, where they are others than most. */
+/* The function's name and the types of its codes, where they are others than most. */
 #ifndef DISTANCE
 #define DISTANCE echocal_distance_um
 #endif
 #ifndef CODE
 #define CODE int16_t
+#endif
+#ifndef DAMP
+#define DAMP uint8_t
+#endif
+#ifndef ECHO
+#define ECHO uint16_t
 #endif
 #ifdef ECHOCAL_ECHO_US_LAST
 #define ECHO_FIRST ECHOCAL_ECHO_US_FIRST
@@ -24,10 +30,22 @@
 #define ECHO_LAST ECHOCAL_ECHO_CODE_LAST
 #endif
 
-#ifdef ECHOCAL_HUMIDITY_CODE_FIRST
-#define CALL(echo, code, damp) DISTANCE((uint16_t)(echo), (CODE)(code), (uint8_t)(damp))
+/* Codes between those that the function tells apart. */
+#ifdef ECHOCAL_TEMPERATURE_CODE_SHIFT
+#define WARM_STEP (1 << ECHOCAL_TEMPERATURE_CODE_SHIFT)
 #else
-#define CALL(echo, code, damp) DISTANCE((uint16_t)(echo), (CODE)(code))
+#define WARM_STEP 1
+#endif
+#ifdef ECHOCAL_HUMIDITY_CODE_SHIFT
+#define DAMP_STEP (1 << ECHOCAL_HUMIDITY_CODE_SHIFT)
+#else
+#define DAMP_STEP 1
+#endif
+
+#ifdef ECHOCAL_HUMIDITY_CODE_FIRST
+#define CALL(echo, code, damp) DISTANCE((ECHO)(echo), (CODE)(code), (DAMP)(damp))
+#else
+#define CALL(echo, code, damp) DISTANCE((ECHO)(echo), (CODE)(code))
 #endif
 
 static uint64_t hash_of_all(void)
@@ -35,10 +53,10 @@ static uint64_t hash_of_all(void)
     uint64_t all = 0;
     int32_t code;
     int32_t echo;
-    for (code = ECHOCAL_TEMPERATURE_CODE_FIRST; code <= ECHOCAL_TEMPERATURE_CODE_LAST; code++) {
+    for (code = ECHOCAL_TEMPERATURE_CODE_FIRST; code <= ECHOCAL_TEMPERATURE_CODE_LAST; code += WARM_STEP) {
 #ifdef ECHOCAL_HUMIDITY_CODE_FIRST
         int32_t damp;
-        for (damp = ECHOCAL_HUMIDITY_CODE_FIRST; damp <= ECHOCAL_HUMIDITY_CODE_LAST; damp++)
+        for (damp = ECHOCAL_HUMIDITY_CODE_FIRST; damp <= ECHOCAL_HUMIDITY_CODE_LAST; damp += DAMP_STEP)
 #endif
         {
             for (echo = ECHO_FIRST; echo <= ECHO_LAST; echo++) {

@@ -182,11 +182,18 @@ def test_half_a_unit_is_the_best_that_a_unit_can_do() -> None:
 @pytest.mark.parametrize(
     ("request_", "message"),
     [
-        ({"output_unit": "furlong"}, "unknown output unit 'furlong'; this version has um, mm, cm"),
+        ({"output_unit": "furlong"}, "unknown output unit 'furlong'; this version has um, 0.1mm, mm, cm"),
         ({"echo": (0.0, 38_000)}, "echo LSB 0 us is no tick"),
         ({"echo": (0.5, 38_000)}, "echo max 38000 us is code 76000 of LSB 0.5 us: it is outside 1 .. 65535"),
-        ({"temperature": (0.001, 0.0, 70.0)}, r"codes 0 .. 70000, and uint16_t holds 0 .. 65535"),
-        ({"humidity": HumidityCodes(0.01, 0.0, 1.0, 0.5)}, "needs codes -50 .. 50, a uint8_t holds"),
+        ({"temperature": (0.001, -20.0, 60.0)}, "codes -20000 .. 60000, and int16_t holds -32768 .. 32767"),
+        (
+            {"temperature": (1e-5, 0.0, 60.0)},
+            "6000001 of temperature_code in steps of 0.00001 degC are 6000001",
+        ),
+        ({"humidity": HumidityCodes(0.01, 0.0, 1.0, 0.5, 1)}, "uint8_t holds 0 .. 255, uint16_t holds 0"),
+        ({"humidity": HumidityCodes(0.01, 0.0, 1.0, 0.0, 0.5)}, "the shift of humidity is 0.5; give a whole"),
+        ({"humidity": HumidityCodes(1e-6, 0.0, 1.0)}, "let the function drop 10 bits of them together"),
+        ({"echo": EchoCodes(1.0, None, None, 24)}, "bits=24: a timer has 16 or 32 bits"),
     ],
 )
 def test_codes_that_make_no_sense(request_: dict[str, Any], message: str) -> None:

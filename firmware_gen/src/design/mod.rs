@@ -11,7 +11,7 @@ use crate::error::Error;
 use crate::form;
 use search::{Candidate, Search};
 
-pub use request::{Design, Failure, Listen, OUT_OF_RANGE, Progress, Reachable, Request};
+pub use request::{Design, Failure, Listen, Progress, Reachable, Request};
 
 /// Most candidates that are refined before the search restricts itself to the likely ones. Set by hand: it bounds the
 /// search time of designs with humidity.

@@ -4,7 +4,6 @@ use crate::device::Device;
 use crate::error::Error;
 use crate::form::{Form, Tail};
 use crate::ir::Program;
-pub use crate::output::OUT_OF_RANGE;
 use crate::prove::Proof;
 use crate::reference::Reference;
 use crate::target::{Prefer, Target};
@@ -23,6 +22,8 @@ pub struct Request<'a> {
     pub maximum_distance: f64,
     /// Largest tables allowed, together \[byte\].
     pub maximum_table: usize,
+    /// Widest integer allowed on the way to the output \[bit\].
+    pub widest: u32,
     /// The core that runs it.
     pub target: Target,
     /// The only form to try; `None`: all of them.
@@ -31,6 +32,19 @@ pub struct Request<'a> {
     pub prefer: Prefer,
     /// Threads for the proof.
     pub threads: usize,
+}
+
+impl Request<'_> {
+    /// The error if there is no candidate at all.
+    pub(super) fn no_candidate(&self) -> Error {
+        let form = self
+            .form
+            .map_or("no form".into(), |form| format!("no form '{form}'"));
+        Error::Request(format!(
+            "{form} computes this model for {} in {}-bit integers and {} bytes of tables: allow larger tables, wider integers, a wider bound or every form",
+            self.target.name, self.widest, self.maximum_table
+        ))
+    }
 }
 
 /// A function, with its proof.
@@ -58,7 +72,7 @@ impl Design {
             .flatten();
         output
             .and_then(|output| i32::try_from(output).ok())
-            .unwrap_or(OUT_OF_RANGE)
+            .unwrap_or(device.output.out_of_range())
     }
 }
 

@@ -8,7 +8,7 @@ use crate::form::{
 };
 use crate::ir::{Builder, Program};
 use crate::prove::{Claim, Proof, Straight, prove};
-use crate::reference::{Line, check_bounded, sample};
+use crate::reference::{Line, check_bounded, check_type, sample};
 use crate::target::Cost;
 use std::rc::Rc;
 
@@ -90,6 +90,7 @@ impl<'a> Search<'a> {
         let picked = device.thinned(COLUMNS);
         let lines = sample(reference, device, &picked, maximum_distance)?;
         check_bounded(reference, device, &lines, maximum_distance)?;
+        check_type(reference, device, &picked)?;
         let truths = lines.iter().flat_map(Line::samples);
         let farthest = truths.fold(0.0_f64, |most, (_, truth)| {
             most.max((truth - truth.round()).abs())
@@ -254,6 +255,9 @@ impl<'a> Search<'a> {
         let factor = form.build(&mut builder);
         let distance = tail.build(&mut builder, factor);
         let mut program = builder.finish(distance)?;
+        if program.widest() > self.request.widest {
+            return None;
+        }
         program.middle_bytes = self.request.target.byte_shifts;
         for table in &mut program.tables {
             table.program_memory = self.request.target.program_memory;

@@ -28,6 +28,7 @@ fn floors(shortest: f64, output: Output) -> Vec<(f64, f64)> {
         maximum_error: 5e-3,
         maximum_distance: 1.9,
         maximum_table: 1024,
+        widest: 64,
         target: Target::parse("c99").unwrap(),
         form: None,
         prefer: Prefer::parse("size").unwrap(),

@@ -1,6 +1,6 @@
 //! What is reported if no candidate meets the bound: the smallest error that is possible.
 
-use super::request::{Design, Failure, Listen, Reachable, Request};
+use super::request::{Design, Failure, Listen, Reachable};
 use super::search::{Candidate, Search};
 use crate::error::Error;
 use crate::form::is_bent;
@@ -72,22 +72,13 @@ impl Search<'_> {
 
     /// The error if there is no candidate at all.
     fn no_candidate(&self) -> Error {
-        let Request {
-            form,
-            target,
-            maximum_table,
-            ..
-        } = self.request;
+        let form = self.request.form;
         if self.bend.is_none() && form.is_some_and(is_bent) {
             return Error::Request(format!(
                 "form '{}' is for distances that bend over the echo time, and these are straight within a tenth of the bound: choose another form",
                 form.unwrap_or_default()
             ));
         }
-        let form = form.map_or("no form".into(), |form| format!("no form '{form}'"));
-        Error::Request(format!(
-            "{form} computes this model for {} in 64-bit integers and {maximum_table} bytes of tables: allow larger tables, a wider bound or every form",
-            target.name
-        ))
+        self.request.no_candidate()
     }
 }

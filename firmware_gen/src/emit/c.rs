@@ -32,7 +32,7 @@ pub fn statements(program: &Program) -> (Vec<Local>, String) {
             });
         }
     }
-    (locals, text.read(program.result, IntegerType::I32))
+    (locals, text.read(program.result, program.output))
 }
 
 /// Names for the values that need a variable only because of their next conversion: MISRA C:2012, rule 10.8, wants no
@@ -55,7 +55,7 @@ fn spelled(program: &Program) -> Vec<Option<String>> {
                 .for_each(|value| converted(value, wanted));
         }
     }
-    converted(program.result, IntegerType::I32);
+    converted(program.result, program.output);
     for (index, node) in program.nodes.iter().enumerate() {
         needed[index] |= node.name.is_some()
             && composite(node)

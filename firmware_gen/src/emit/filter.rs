@@ -1,8 +1,8 @@
 //! The files of the median filter: where they lie, and the golden sequence.
 
 use crate::device::Status;
-use crate::filter::Filter;
-use crate::output::{OUT_OF_RANGE, Output};
+use crate::filter::{Filter, OUT_OF_RANGE};
+use crate::output::Output;
 use std::fmt::Write;
 
 /// Measurements of the golden sequence. Set by hand: a file of some 5 kB.
@@ -22,7 +22,7 @@ pub(super) fn parts(parts: &[(&str, &str)]) -> Vec<(String, String)> {
 
 /// Name and text of the golden sequence: measurements in order, from a new state, each with what the filter gives.
 pub(super) fn golden(filter: &Filter, output: &Output, name: &str) -> (String, String) {
-    let unit = output.unit;
+    let unit = output.suffix();
     let mut text = format!("distance_{unit},status,filtered_{unit},filter_status\n");
     let measurements = sequence(filter);
     for ((distance, status), (filtered, why)) in

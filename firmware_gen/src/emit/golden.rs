@@ -38,7 +38,7 @@ pub fn golden(design: &Design, device: &Device) -> String {
     let mut text = format!(
         "{},distance_{},status\n",
         names.join(","),
-        device.output.unit
+        device.output.suffix()
     );
     for input in inputs {
         let output = design.output(device, &input);

@@ -74,6 +74,12 @@ struct ParameterText<'a> {
     lsb: f64,
     zero: f64,
     meaning: String,
+    /// Bits that the function drops, and codes in a step.
+    shift: u32,
+    step: i64,
+    /// Ends of its type.
+    least: i64,
+    most: i64,
     first: i64,
     last: i64,
 }
@@ -84,12 +90,15 @@ fn parameter(axis: &Axis) -> ParameterText<'_> {
     } else {
         format!(" + {}", axis.with_unit(axis.zero))
     };
-    let meaning = format!(
-        "{} = {} * {}{zero}",
-        axis.quantity,
-        axis.name,
-        axis.with_unit(axis.lsb)
-    );
+    let meaning = match &axis.curve {
+        Some(curve) => format!("{} of {}", axis.quantity, curve.scale),
+        None => format!(
+            "{} = {} * {}{zero}",
+            axis.quantity,
+            axis.name,
+            axis.with_unit(axis.lsb)
+        ),
+    };
     ParameterText {
         ty: axis.ty.c_name(),
         name: &axis.name,
@@ -97,6 +106,10 @@ fn parameter(axis: &Axis) -> ParameterText<'_> {
         lsb: axis.lsb,
         zero: axis.zero,
         meaning,
+        shift: axis.shift,
+        step: 1 << axis.shift,
+        least: axis.ty.range().minimum,
+        most: axis.ty.range().maximum,
         first: axis.codes.minimum,
         last: axis.codes.maximum,
     }
@@ -113,7 +126,7 @@ pub fn emit(
     measured: &[Measurement],
     uncertainty: &Uncertainty,
 ) -> Result<Vec<(String, String)>, Error> {
-    let reach = reach::reach(design, device);
+    let reach = reach::reach(&design.proof, device);
     let package = Package::parse(&provenance.package)?;
     let (vectors, count) = selftest::columns(design, device);
     let outputs = format!("{:016x}", design.proof.hash);
@@ -174,6 +187,7 @@ fn rust_text(design: &Design, device: &Device, name: &str) -> minijinja::Value {
     context! {
         locals, result,
         types => types.collect::<Vec<_>>(),
+        output => rust::name(device.output.ty),
         tables => rust::tables(&design.program, name),
     }
 }
@@ -201,9 +215,21 @@ fn function_text(design: &Design, device: &Device, name: &str) -> minijinja::Val
         table_bytes => design.program.table_bytes(),
         program_memory => design.program.tables.iter().any(|table| table.program_memory),
         form => design.form.describe(),
-        name => format!("{name}_distance_{}", device.output.unit),
-        unit => device.output.unit,
+        name => format!("{name}_distance_{}", device.output.suffix()),
+        suffix => device.output.suffix(),
+        ty => device.output.ty.c_name(),
+        out_of_range => out_of_range(device),
+        unit => device.output.text(),
         unit_lsb => device.output.lsb,
+    }
+}
+
+/// The output for codes that are not accepted, as C and as a number.
+fn out_of_range(device: &Device) -> minijinja::Value {
+    let output = &device.output;
+    context! {
+        macro => format!("INT{}_MIN", output.ty.bits()),
+        value => output.out_of_range(),
     }
 }
 

@@ -2,8 +2,9 @@
 
 use super::filter;
 use super::templates::render;
-use crate::device::Axis;
+use crate::device::{Axis, Device};
 use crate::error::Error;
+use crate::types::IntegerType;
 
 /// One way to ship the function.
 #[derive(Clone, Copy, Debug)]
@@ -12,6 +13,8 @@ pub struct Package {
     pub name: &'static str,
     /// Shortest and longest echo pulse \[us\] that its files measure.
     pulses: (f64, f64),
+    /// Whether an example makes the codes of conditions from values: then they are multiples of a step, of all bits.
+    makes_codes: bool,
     /// Its files: path, which may hold `{{ library }}`, and name of the template.
     parts: &'static [(&'static str, &'static str)],
 }
@@ -29,11 +32,15 @@ const ANY: (f64, f64) = (0.0, f64::INFINITY);
 const LONGEST: f64 = 1e6;
 const SKETCH: (f64, f64) = (0.0, LONGEST);
 
+/// Finest step of a condition \[degC, 1\] that the sketches make codes of: they count in 1e-6. Set by hand: 1 % of it.
+const FINEST: f64 = 1e-4;
+
 /// Every packaging. To add one, write its templates and add its lines.
 pub const PACKAGES: &[Package] = &[
     Package {
         name: "c",
         pulses: ANY,
+        makes_codes: false,
         parts: &[
             ("echocal_correction.h", HEADER),
             ("echocal_correction.c", SOURCE),
@@ -48,6 +55,7 @@ pub const PACKAGES: &[Package] = &[
     Package {
         name: "arduino",
         pulses: SKETCH,
+        makes_codes: true,
         parts: &[
             README,
             LICENSE,
@@ -65,6 +73,7 @@ pub const PACKAGES: &[Package] = &[
     Package {
         name: "platformio",
         pulses: SKETCH,
+        makes_codes: true,
         parts: &[
             README,
             LICENSE,
@@ -86,6 +95,7 @@ pub const PACKAGES: &[Package] = &[
     Package {
         name: "esphome",
         pulses: SKETCH,
+        makes_codes: true,
         parts: &[
             README,
             LICENSE,
@@ -107,6 +117,7 @@ pub const PACKAGES: &[Package] = &[
     Package {
         name: "micropython",
         pulses: SKETCH,
+        makes_codes: true,
         parts: &[
             README,
             LICENSE,
@@ -119,6 +130,7 @@ pub const PACKAGES: &[Package] = &[
     Package {
         name: "esp-idf",
         pulses: ANY,
+        makes_codes: false,
         parts: &[
             README,
             LICENSE,
@@ -133,6 +145,7 @@ pub const PACKAGES: &[Package] = &[
     Package {
         name: "zephyr",
         pulses: ANY,
+        makes_codes: false,
         parts: &[
             README,
             LICENSE,
@@ -148,6 +161,7 @@ pub const PACKAGES: &[Package] = &[
     Package {
         name: "rust",
         pulses: ANY,
+        makes_codes: false,
         parts: &[
             README,
             LICENSE,
@@ -178,7 +192,9 @@ impl Package {
     ///
     /// # Errors
     /// If there are any.
-    pub fn check(&self, echo: &Axis) -> Result<(), Error> {
+    pub fn check(&self, device: &Device) -> Result<(), Error> {
+        let echo = &device.echo;
+        self.check_codes(device)?;
         let (shortest, longest) = self.pulses;
         let [first, last] = [echo.codes.minimum, echo.codes.maximum].map(|code| echo.us(code));
         if first >= shortest && last <= longest {
@@ -187,6 +203,26 @@ impl Package {
         Err(Error::Request(format!(
             "the files of package '{}' measure echo times of {shortest} .. {longest} us, and {first} .. {last} us are to be accepted: give an echo min and an echo max within these limits, or the package c",
             self.name
+        )))
+    }
+
+    fn check_codes(&self, device: &Device) -> Result<(), Error> {
+        if !self.makes_codes {
+            return Ok(());
+        }
+        let name = self.name;
+        let fine = |axis: &&Axis| axis.lsb.abs() < FINEST && axis.curve.is_none();
+        let refused = if device.echo.ty != IntegerType::U16 {
+            "a timer of 32 bits".into()
+        } else if let Some(axis) = device.conditions.iter().find(|axis| axis.curve.is_some()) {
+            format!("{} of a thermistor", axis.name)
+        } else if let Some(axis) = device.conditions.iter().find(fine) {
+            format!("{} in steps of {}", axis.name, axis.with_unit(axis.lsb))
+        } else {
+            return Ok(());
+        };
+        Err(Error::Request(format!(
+            "the example of package '{name}' makes no codes for {refused}: choose the package c, esp-idf, zephyr or rust"
         )))
     }
 

@@ -1,7 +1,7 @@
 //! The distances that the accepted echo codes reach.
 
-use crate::design::Design;
 use crate::device::Device;
+use crate::prove::Proof;
 use serde::Serialize;
 
 /// Nearest and farthest distance \[m\].
@@ -13,22 +13,14 @@ pub struct Reach {
     pub sometimes: (f64, f64),
 }
 
-/// The reach of a design: the outputs at the first and the last echo code, over all rows.
-pub(super) fn reach(design: &Design, device: &Device) -> Reach {
-    let codes = device.echo.codes;
-    let mut found = Reach {
-        always: (f64::NEG_INFINITY, f64::INFINITY),
-        sometimes: (f64::INFINITY, f64::NEG_INFINITY),
+/// The reach of a proven design.
+pub(super) fn reach(proof: &Proof, device: &Device) -> Reach {
+    let meters = |(near, far): (i64, i64)| {
+        let lsb = device.output.lsb;
+        (near as f64 * lsb, far as f64 * lsb)
     };
-    for row in 0..device.rows() {
-        let conditions = device.codes(row);
-        let output = |echo: i64| {
-            let output = design.output(device, &[&[echo][..], &conditions].concat());
-            f64::from(output) * device.output.lsb
-        };
-        let (near, far) = (output(codes.minimum), output(codes.maximum));
-        found.always = (found.always.0.max(near), found.always.1.min(far));
-        found.sometimes = (found.sometimes.0.min(near), found.sometimes.1.max(far));
+    Reach {
+        always: meters(proof.reach.always),
+        sometimes: meters(proof.reach.sometimes),
     }
-    found
 }

@@ -42,6 +42,9 @@ pub struct Provenance {
     /// The median filter that is written beside the function.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub filter: Option<Filter>,
+    /// The conditions of which the function drops bits, and what that costs, a line each.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub resolution: Vec<String>,
     /// The assumed values of conditions that the device does not measure, a line each.
     pub assumptions: Vec<String>,
     /// The effects and conditions behind them: effect, quantity, whether a value is assumed, error left \[m\].
@@ -133,6 +136,7 @@ pub fn report(
         "overflow_free": true,
         "monotone_in_echo_time": true,
         "table_bytes": design.program.table_bytes(),
+        "widest_bits": design.program.widest(),
         "measured": measured,
         "ram_bytes": here.map_or(0, |found| found.ram_bytes), // without a measurement: none is declared
         "flash_bytes": here.map(|found| found.flash_bytes),

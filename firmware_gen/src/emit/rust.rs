@@ -38,7 +38,7 @@ pub fn statements(program: &Program) -> (Vec<Local>, String) {
         })
     };
     let locals = program.nodes.iter().enumerate().filter_map(local).collect();
-    (locals, read(program, program.result, IntegerType::I32))
+    (locals, read(program, program.result, program.output))
 }
 
 /// Name of a type in Rust.

@@ -45,7 +45,7 @@ pub fn columns<'a>(design: &Design, device: &'a Device) -> (Vec<Column<'a>>, usi
     let outputs = vectors
         .iter()
         .map(|vector| i64::from(design.output(device, vector)));
-    columns.push(column("distance", IntegerType::I32, outputs.collect()));
+    columns.push(column("distance", device.output.ty, outputs.collect()));
     let statuses = vectors.iter().map(|vector| device.status(vector) as i64);
     columns.push(column("status", IntegerType::U8, statuses.collect()));
     (columns, vectors.len())

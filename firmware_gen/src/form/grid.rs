@@ -2,7 +2,7 @@
 
 use super::contract::{Fit, Form};
 use super::plane::Plane;
-use super::steps::{floor_shift, humidity_index, plus, temperature_index};
+use super::steps::{floor_shift, plus, second_index, temperature_index};
 use crate::ir::{Builder, TableId, Value};
 use crate::minimax::horner;
 
@@ -39,8 +39,7 @@ pub(super) fn propose(fit: &Fit<'_>) -> Vec<Box<dyn Form>> {
         .iter()
         .map(|line| line.0.clone())
         .collect();
-    let wide = fit.device.conditions[1].codes;
-    let wide = (wide.maximum - wide.minimum) as usize;
+    let wide = fit.device.conditions[1].len() - 1;
     let steps = |codes: usize| 1..usize::BITS - codes.leading_zeros() + 1;
     let shapes = steps(lines.len())
         .flat_map(|temperature| steps(wide).map(move |humidity| (temperature, humidity)));
@@ -175,7 +174,7 @@ impl Form for Grid {
 
     fn build(&self, builder: &mut Builder<'_>) -> Value {
         let temperature = temperature_index(builder);
-        let humidity = humidity_index(builder);
+        let humidity = second_index(builder);
         let note =
             "speed factors: one row for each temperature, one column for each humidity".into();
         let table = builder.table("speed", note, self.entries.clone());

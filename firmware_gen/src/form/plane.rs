@@ -24,7 +24,7 @@ impl<'a> Plane<'a> {
         device.conditions.truncate(1);
         let axis = &fit.device.conditions[1];
         let wide = fit.target.len() / device.rows();
-        let code = |row: &usize| (fit.device.codes(*row)[1] - axis.codes.minimum) as f64;
+        let code = |row: &usize| axis.index(fit.device.codes(*row)[1]) as f64;
         let humidity = fit.picked[..wide].iter().map(code).collect();
         Self {
             fit,

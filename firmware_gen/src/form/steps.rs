@@ -16,12 +16,15 @@ pub(super) fn temperature_index(builder: &mut Builder<'_>) -> Value {
 /// The temperature code counted from so many codes `before` the coldest.
 pub(super) fn temperature_index_from(builder: &mut Builder<'_>, before: i64) -> Value {
     let axis = &builder.device().conditions[0];
-    let first = axis.codes.minimum - before;
-    let note = format!(
-        "temperature code minus the code of {} {}",
-        axis.value(first),
-        axis.unit
-    );
+    let first = axis.steps().minimum - before;
+    let note = match (&axis.curve, before) {
+        (Some(_), 1..) => format!("temperature code minus {first}"),
+        _ => format!(
+            "temperature code minus the code of {} {}",
+            axis.value(first << axis.shift),
+            axis.unit
+        ),
+    };
     let code = builder.condition(0);
     if first == 0 {
         return code;
@@ -36,11 +39,15 @@ pub(super) fn temperature_index_from(builder: &mut Builder<'_>, before: i64) -> 
     value
 }
 
-/// The humidity code less the lowest code that the function accepts.
-pub(super) fn humidity_index(builder: &mut Builder<'_>) -> Value {
-    let lowest = builder.device().conditions[1].codes.minimum;
+/// The code of the second condition, counted from the one with the least value: [`Axis::index`](crate::device::Axis::index).
+pub(super) fn second_index(builder: &mut Builder<'_>) -> Value {
+    let axis = &builder.device().conditions[1];
     let code = builder.condition(1);
-    plus(builder, code, -lowest)
+    if axis.falls() {
+        let last = builder.constant(axis.steps().maximum);
+        return builder.subtract(last, code);
+    }
+    plus(builder, code, -axis.steps().minimum)
 }
 
 /// `value + constant`, written as a subtraction where the constant is negative and left out where it is zero.
@@ -49,6 +56,10 @@ pub(super) fn plus(builder: &mut Builder<'_>, value: Value, constant: i64) -> Va
         0 => value,
         1.. => {
             let constant = builder.constant(constant);
+            builder.add(value, constant)
+        }
+        i64::MIN => {
+            let constant = builder.constant(constant); // it has no opposite
             builder.add(value, constant)
         }
         _ => {

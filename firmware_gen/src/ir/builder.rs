@@ -117,23 +117,31 @@ impl<'a> Builder<'a> {
         self.append(Operation::Input(0), rows, self.device.echo.ty, true)
     }
 
-    /// The code of condition `index`.
+    /// The code of condition `index`, without the bits that the function drops.
     pub fn condition(&mut self, index: usize) -> Value {
-        if let Some(known) = self.known(Operation::Input(index + 1)) {
-            return known;
+        let axis = &self.device.conditions[index];
+        let input = self.known(Operation::Input(index + 1)).unwrap_or_else(|| {
+            let code = |row: &usize| self.device.codes(*row)[index];
+            let low: Vec<i64> = self.picked.iter().map(code).collect();
+            let dropped = (1_i64 << axis.shift) - 1;
+            let high = low.iter().map(|code| code + dropped).collect();
+            self.append(
+                Operation::Input(index + 1),
+                Rows { low, high },
+                axis.ty,
+                false,
+            )
+        });
+        if axis.shift == 0 {
+            return input;
         }
-        let code = |row: &usize| self.device.codes(*row)[index];
-        let low: Vec<i64> = self.picked.iter().map(code).collect();
-        let rows = Rows {
-            high: low.clone(),
-            low,
-        };
-        self.append(
-            Operation::Input(index + 1),
-            rows,
-            self.device.conditions[index].ty,
-            false,
-        )
+        let step = self.shift_right(input, axis.shift);
+        let word = axis.name.trim_end_matches("_code");
+        let note = format!("{word} code without its lowest {} bits", axis.shift);
+        let prefix = self.set_prefix(""); // all forms in one program share this variable
+        let step = self.name(step, &format!("{word}_step"), note);
+        self.set_prefix(prefix);
+        step
     }
 
     /// A constant.
@@ -250,15 +258,16 @@ impl<'a> Builder<'a> {
     }
 
     /// Give `value` a local variable and a comment.
-    pub fn name(&mut self, value: Value, name: &'static str, note: impl Into<String>) -> Value {
+    pub fn name(&mut self, value: Value, name: &str, note: impl Into<String>) -> Value {
         self.nodes[value.0].name = Some((format!("{}{name}", self.prefix), note.into()));
         value
     }
 
-    /// The finished program, or nothing if some value fits no type or the result is outside `int32_t`.
+    /// The finished program, or nothing if some value fits no type or the result is no distance of the output's type.
     #[must_use]
     pub fn finish(self, result: Value) -> Option<Program> {
-        let fits = IntegerType::I32.range().covers(self.range(result));
+        let output = self.device.output;
+        let fits = output.distances().covers(self.range(result));
         let inputs = self
             .device
             .axes()
@@ -269,6 +278,7 @@ impl<'a> Builder<'a> {
             tables: self.tables,
             nodes: self.nodes,
             result,
+            output: output.ty,
             middle_bytes: false,
         })
     }

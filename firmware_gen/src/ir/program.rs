@@ -109,13 +109,22 @@ pub struct Program {
     pub tables: Vec<Table>,
     /// Steps, operands before readers.
     pub nodes: Vec<Node>,
-    /// What the function returns, always within `int32_t`.
+    /// What the function returns, always a distance of the type of the output.
     pub result: Value,
+    /// The type of the output.
+    pub output: IntegerType,
     /// Whether C names the middle bytes of a product instead of shifting it by a byte.
     pub middle_bytes: bool,
 }
 
 impl Program {
+    /// Width of the widest integer that it computes with \[bit\].
+    #[must_use]
+    pub fn widest(&self) -> u32 {
+        let bits = |node: &Node| node.computed.bits().max(node.held.bits());
+        self.nodes.iter().map(bits).max().unwrap_or(0)
+    }
+
     /// The node that computes `value`.
     #[must_use]
     pub fn node(&self, value: Value) -> &Node {

@@ -3,6 +3,7 @@
 
 mod omission;
 mod reference;
+mod resolution;
 
 pub use omission::Omission;
 

@@ -71,7 +71,7 @@ impl Lowered {
     }
 
     /// The echo time at a distance, in any number type.
-    fn time<S: Rows>(&self, distance: S, at: &Conditions<f64>) -> S {
+    pub(super) fn time<S: Rows>(&self, distance: S, at: &Conditions<f64>) -> S {
         let at = Conditions::new(Quantity::ALL.map(|facts| S::constant(at.get(facts.quantity))));
         let parameters: Vec<S> = self.parameters.iter().copied().map(S::constant).collect();
         self.model

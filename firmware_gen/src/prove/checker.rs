@@ -2,7 +2,7 @@
 //! what the quick proof is tested against.
 
 use super::claim::Claim;
-use super::row::{Fault, Row, Times};
+use super::row::{Fault, Row, truths};
 use crate::error::Error;
 use crate::hash::Hash;
 use crate::ir::{Block, LANES, Program};
@@ -11,22 +11,16 @@ use crate::ir::{Block, LANES, Program};
 pub(super) struct Checker<'a> {
     claim: Claim<'a>,
     block: Block<'a>,
-    times: &'a Times,
     truth: Vec<f64>,
 }
 
 impl<'a> Checker<'a> {
-    pub(super) fn new(
-        program: &'a Program,
-        claim: Claim<'a>,
-        times: &'a Times,
-    ) -> Result<Self, Error> {
+    pub(super) fn new(program: &'a Program, claim: Claim<'a>) -> Result<Self, Error> {
         let block = Block::new(program).map_err(|overflow| Error::Proof(overflow.to_string()))?;
         Ok(Self {
             claim,
             block,
-            truth: vec![0.0; times.len()],
-            times,
+            truth: Vec::new(), // made where a row is checked
         })
     }
 
@@ -35,8 +29,8 @@ impl<'a> Checker<'a> {
         let fault = Fault { device, row };
         let ends = (device.echo.codes.minimum, device.echo.codes.maximum);
         let overflow = |overflow| fault.overflow(&overflow, ends.0);
-        self.times
-            .truths(self.claim, &device.values(row), ends.0, &mut self.truth);
+        self.truth.resize(device.echo.len(), 0.0);
+        truths(self.claim, &device.values(row), ends.0, &mut self.truth);
         let codes = device.codes(row);
         self.block.set_conditions(&codes).map_err(overflow)?;
         let mut lanes = [0_i32; LANES];

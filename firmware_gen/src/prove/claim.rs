@@ -33,6 +33,32 @@ impl Worst {
     }
 }
 
+/// Outputs \[unit\] at the first and the last echo code.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reach {
+    /// Accepted at all combinations of conditions.
+    pub always: (i64, i64),
+    /// Accepted at some.
+    pub sometimes: (i64, i64),
+}
+
+impl Reach {
+    /// Initial value, before the first row.
+    pub(super) const NONE: Self = Self {
+        always: (i64::MIN, i64::MAX),
+        sometimes: (i64::MAX, i64::MIN),
+    };
+
+    /// With the nearest and the farthest output of another row.
+    pub(super) fn with(self, (near, far): (i32, i32)) -> Self {
+        let (near, far) = (i64::from(near), i64::from(far));
+        Self {
+            always: (self.always.0.max(near), self.always.1.min(far)),
+            sometimes: (self.sometimes.0.min(near), self.sometimes.1.max(far)),
+        }
+    }
+}
+
 /// What was proven for every input.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Proof {
@@ -44,6 +70,8 @@ pub struct Proof {
     pub inputs: u64,
     /// Inputs within the bounded domain.
     pub bounded_inputs: u64,
+    /// Outputs at the ends of the echo codes.
+    pub reach: Reach,
     /// Hash of all outputs in order: see [`Hash`](crate::hash::Hash).
     pub hash: u64,
 }

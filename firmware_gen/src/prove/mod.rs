@@ -14,16 +14,15 @@ use crate::types::Range;
 use checker::Checker;
 use crew::each;
 use quick::{Quick, Records};
-use row::{Fault, Row, Times};
+use row::{Fault, Row};
 
-pub use claim::{Claim, Proof, Worst};
+pub use claim::{Claim, Proof, Reach, Worst};
 pub(crate) use straight::Straight;
 
 /// One thread of the proof.
 struct Prover<'a> {
     program: &'a Program,
     claim: Claim<'a>,
-    times: &'a Times,
     records: &'a Records,
     checker: Checker<'a>,
     /// Whether every echo code is evaluated, whatever could be proven without.
@@ -61,7 +60,6 @@ impl Prover<'_> {
             before = straight.output(ends.1).into();
             let quick = Quick {
                 claim: self.claim,
-                times: self.times,
                 records: self.records,
                 straight,
                 codes: part,
@@ -132,12 +130,13 @@ fn run(
     progress: &mut dyn FnMut(u64) -> bool,
 ) -> Result<Proof, Error> {
     let rows = claim.device.rows();
-    let (times, records) = (&Times::of(claim.device), &Records::default());
+    let records = &Records::default();
     let mut proof = Proof {
         bounded: Worst::NONE,
         overall: Worst::NONE,
         inputs: claim.device.inputs(),
         bounded_inputs: 0,
+        reach: Reach::NONE,
         hash: 0,
     };
     let mut hashes = vec![None; rows];
@@ -149,9 +148,8 @@ fn run(
             let mut prover = Prover {
                 program,
                 claim,
-                times,
                 records,
-                checker: Checker::new(program, claim, times)?,
+                checker: Checker::new(program, claim)?,
                 every,
             };
             Ok(move |row| prover.row(row))
@@ -160,6 +158,7 @@ fn run(
             proof.bounded = proof.bounded.or(found.bounded);
             proof.overall = proof.overall.or(found.overall);
             proof.bounded_inputs += found.within;
+            proof.reach = proof.reach.with(found.ends);
             hashes[row] = Some(hash);
         },
         &mut |done| progress(done as u64 * width),

@@ -7,7 +7,7 @@
 //! time, bounded between the two distances, limit how far the curve leaves the chord.
 
 use super::claim::{Claim, Worst};
-use super::row::{Fault, Row, Times};
+use super::row::{Fault, Row, truths};
 use super::straight::Straight;
 use crate::error::Error;
 use crate::jet::Jet;
@@ -61,7 +61,6 @@ struct Point {
 /// One row.
 pub(super) struct Quick<'a> {
     pub(super) claim: Claim<'a>,
-    pub(super) times: &'a Times,
     pub(super) records: &'a Records,
     pub(super) straight: Straight,
     /// The echo codes that it holds for.
@@ -114,14 +113,14 @@ impl Quick<'_> {
         if let Shape::Line { slope, start } = *self.shape {
             let per_meter = self.claim.device.output.per_meter;
             for (echo, truth) in (from..).zip(truth) {
-                let time = self.times.at(self.claim.device, echo);
+                let time = self.claim.device.echo.value(echo);
                 // Rounded as the reference rounds it.
                 #[allow(clippy::suboptimal_flops)]
                 let distance = slope * time + start;
                 *truth = distance * per_meter;
             }
         } else {
-            self.times.truths(self.claim, self.conditions, from, truth);
+            truths(self.claim, self.conditions, from, truth);
         }
     }
 

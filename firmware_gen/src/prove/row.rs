@@ -14,41 +14,17 @@ pub(super) struct Row {
     pub(super) bounded: Worst,
     pub(super) overall: Worst,
     pub(super) within: u64,
+    /// Outputs at the first and the last echo code \[unit\].
+    pub(super) ends: (i32, i32),
 }
 
-/// Echo times \[s\] of all echo codes.
-pub(super) struct Times(Vec<f64>);
-
-impl Times {
-    pub(super) fn of(device: &Device) -> Self {
-        let codes = device.echo.codes;
-        let codes = codes.minimum..=codes.maximum;
-        Self(codes.map(|code| device.echo.value(code)).collect())
-    }
-
-    pub(super) fn len(&self) -> usize {
-        self.0.len()
-    }
-
-    /// Fill `truth` with what the model gives \[unit\] from the echo code `from` on.
-    pub(super) fn truths(
-        &self,
-        claim: Claim<'_>,
-        conditions: &[f64],
-        from: i64,
-        truth: &mut [f64],
-    ) {
-        let first = (from - claim.device.echo.codes.minimum) as usize;
-        let times = &self.0[first..first + truth.len()];
-        claim.reference.distances(conditions, times, truth);
-        let scale = |truth: &mut f64| *truth *= claim.device.output.per_meter;
-        truth.iter_mut().for_each(scale);
-    }
-
-    /// Echo time \[s\] at a code.
-    pub(super) fn at(&self, device: &Device, echo: i64) -> f64 {
-        self.0[(echo - device.echo.codes.minimum) as usize]
-    }
+/// Fill `truth` with what the model gives \[unit\] from the echo code `from` on.
+pub(super) fn truths(claim: Claim<'_>, conditions: &[f64], from: i64, truth: &mut [f64]) {
+    let time = |(code, _)| claim.device.echo.value(code);
+    let times: Vec<f64> = (from..).zip(truth.iter()).map(time).collect();
+    claim.reference.distances(conditions, &times, truth);
+    let scale = |truth: &mut f64| *truth *= claim.device.output.per_meter;
+    truth.iter_mut().for_each(scale);
 }
 
 /// |output - truth| \[unit\].
@@ -65,6 +41,7 @@ impl Row {
             bounded,
             overall,
             within: 0,
+            ends: (i32::MAX, i32::MIN),
         }
     }
 
@@ -73,11 +50,14 @@ impl Row {
         self.bounded = self.bounded.or(part.bounded);
         self.overall = self.overall.or(part.overall);
         self.within += part.within;
+        self.ends = (self.ends.0.min(part.ends.0), self.ends.1.max(part.ends.1));
     }
 
     /// Take in the errors of one block of outputs and truths \[unit\] that starts at the echo code `first`; `false` if a
-    /// truth is not finite.
+    /// truth is not finite. Outputs never fall, so that the least and the largest are those of the ends.
     pub(super) fn take(&mut self, outputs: &[i32], truth: &[f64], first: i64) -> bool {
+        let ends = (outputs[0], outputs[outputs.len() - 1]);
+        self.ends = (self.ends.0.min(ends.0), self.ends.1.max(ends.1));
         let (mut overall, mut bounded, mut finite) = (-1.0_f64, -1.0_f64, 0.0);
         for (output, truth) in outputs.iter().zip(truth) {
             let error = error(*output, *truth);

@@ -113,15 +113,26 @@ pub const TARGETS: &[Target] = &[
     core("rv32e", &weights::RV32E),
 ];
 
+/// Cores for which the C of the first target is right as it is, and of which nothing is measured.
+pub const ALSO: &[&str] = &["cortex-m4", "cortex-m7", "esp32", "rp2040", "msp430"];
+
 impl Target {
     /// The target of this name.
     ///
     /// # Errors
     /// If there is none.
     pub fn parse(name: &str) -> Result<Self, Error> {
-        let names: Vec<_> = TARGETS.iter().map(|target| target.name).collect();
         let found = TARGETS.iter().copied().find(|target| target.name == name);
-        found.ok_or_else(|| unknown("target", name, &names))
+        let also = ALSO.iter().find(|also| **also == name);
+        let c99 = also.map(|name| Self { name, ..TARGETS[0] });
+        found.or(c99).ok_or_else(|| {
+            let names = TARGETS.iter().map(|target| target.name);
+            unknown(
+                "target",
+                name,
+                &names.chain(ALSO.iter().copied()).collect::<Vec<_>>(),
+            )
+        })
     }
 
     /// The cost of a program's steps and tables, without what every function needs for its arguments.

@@ -1,11 +1,10 @@
 """Values that the shell completes."""
 
+import itertools
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 __all__ = ["bases", "causes", "effects", "laws", "parameters", "targets"]
-
-CORES = ("avr", "cortex-m0", "cortex-m3", "cortex-m4f", "rv32", "rv32e", "c99")
 
 
 def bases(incomplete: str) -> list[str]:
@@ -47,7 +46,9 @@ def parameters(incomplete: str) -> list[str]:
 
 def targets(incomplete: str) -> list[str]:
     """Cores that firmware is made for."""
-    return list(_beginning(incomplete, CORES))
+    from echocal import _core
+
+    return list(_beginning(incomplete, itertools.chain(*_core.firmware_targets())))
 
 
 def _beginning(incomplete: str, words: Iterable[str]) -> Iterator[str]:

@@ -21,17 +21,19 @@ from rich.table import Table
 from echocal import silicon
 from echocal.checksums import CHECKSUMS, listed, unedited
 from echocal.cli import _explore, _made_by, _per_unit
+from echocal.cli._codes import humidity_codes, thermometer
 from echocal.cli._complete import targets
 from echocal.cli._console import Console
 from echocal.cli._outputs import Force, Output, check_outputs, made_in, pass_on
 from echocal.device_uncertainty import rounded_up
 from echocal.echoes import BLANKING_M
 from echocal.errors import DomainWarning, UsageError
-from echocal.firmware import EchoCodes, Firmware, HumidityCodes, TemperatureCodes, generate
+from echocal.firmware import EchoCodes, Firmware, generate
 from echocal.model import Model
 from echocal.outputs import replace_text
 from echocal.pages.considered import considered
 from echocal.per_unit import UnitFirmware, generate_per_unit
+from echocal.sensors import sensor_of
 
 Tell = Callable[[str, int, int], object]
 
@@ -49,19 +51,40 @@ def command(
     target: Annotated[
         str,
         typer.Option(
-            help="Core: avr, cortex-m0, cortex-m3, cortex-m4f, rv32, rv32e or c99.", autocompletion=targets
+            help="Core: avr, cortex-m0, -m3, -m4, -m4f, -m7, rv32, rv32e, esp32, rp2040, msp430 or c99.",
+            autocompletion=targets,
         ),
     ] = "c99",
-    temperature_lsb: Annotated[float, option("Step of one temperature code [degC].")] = 0.0625,
-    temperature_range: Annotated[str, option("Accepted temperatures, LOW:HIGH [degC].")] = "-20:60",
-    temperature_zero: Annotated[float, option("Temperature of code 0 [degC].")] = 0.0,
+    sensor: Annotated[
+        str | None, option("Known sensor, such as SHT31: its published codes are the default.")
+    ] = None,
+    ntc: Annotated[
+        str | None,
+        option(
+            "Thermistor on a converter: divider=OHM,beta=K,r25=OHM,bits=10,side=ground",
+            metavar="KEY=VALUE,...",
+        ),
+    ] = None,
+    temperature_lsb: Annotated[
+        float | None, option("Step of one temperature code [degC]; default: 0.0625.")
+    ] = None,
+    temperature_range: Annotated[
+        str | None, option("Accepted temperatures, LOW:HIGH [degC]; default: -20:60.")
+    ] = None,
+    temperature_zero: Annotated[float | None, option("Temperature of code 0 [degC]; default: 0.")] = None,
+    temperature_shift: Annotated[
+        int | None, option("Lowest bits of the temperature code that the function drops.")
+    ] = None,
     humidity_lsb: Annotated[
         float | None, option("Step of one humidity code [1], if the device measures humidity.")
     ] = None,
     humidity_range: Annotated[
         str | None, option("Accepted relative humidities, LOW:HIGH [1]; default: 0:1.")
     ] = None,
-    humidity_zero: Annotated[float, option("Relative humidity of code 0 [1].")] = 0.0,
+    humidity_zero: Annotated[float | None, option("Relative humidity of code 0 [1]; default: 0.")] = None,
+    humidity_shift: Annotated[
+        int | None, option("Lowest bits of the humidity code that the function drops.")
+    ] = None,
     lsb: Annotated[float, option("Tick of the timer [us].", "--echo-lsb-us")] = 1.0,
     shortest: Annotated[
         float | None,
@@ -74,7 +97,11 @@ def command(
         float | None,
         option("Longest accepted echo time [us]; default: the echo from --max-distance-m.", "--echo-max-us"),
     ] = None,
-    output_unit: Annotated[str, option("Unit of the output: um, mm or cm.")] = "um",
+    bits: Annotated[int, option("Bits of the timer: 16, or 32 for a uint32_t.", "--echo-bits")] = 16,
+    output_unit: Annotated[
+        str, option("Unit of the output: um, 0.1mm, mm, cm, 0.01in, in, Q16.16 and more.")
+    ] = "um",
+    output_type: Annotated[str | None, option("Type of the output: int32 (default) or int16.")] = None,
     max_error_mm: Annotated[float, option("Largest error against the model [mm].")] = 0.5,
     max_distance: Annotated[
         float, option("Largest distance to which --max-error-mm applies [m].", "--max-distance-m")
@@ -98,6 +125,7 @@ def command(
         float | None,
         option("Largest distance from the median at which a distance supports it [mm]."),
     ] = None,
+    max_bits: Annotated[int, option("Widest integer to compute with: 64, or 32.")] = 64,
     package: Annotated[
         str,
         option("Kind of files: c, arduino, platformio, esphome, micropython, esp-idf, zephyr or rust."),
@@ -158,18 +186,21 @@ def command(
         single = bool(measure or uncertainties or per_unit or filtered)
         _refuse_one(prefer, form, single, package, name, page)
     _refuse_outputs(model, json, out, _explore.FILES if explore else listed(out), page, force=force)
+    known = None if sensor is None else sensor_of(sensor)
     request: dict[str, Any] = {
-        "temperature": TemperatureCodes(
-            temperature_lsb, *_range("--temperature-range", temperature_range, "-20:60"), temperature_zero
+        "temperature": thermometer(
+            ntc, known, temperature_lsb, temperature_range, temperature_zero, temperature_shift
         ),
-        "humidity": _humidity_codes(humidity_lsb, humidity_range, humidity_zero),
-        "echo": EchoCodes(lsb, longest, shortest),
+        "humidity": humidity_codes(known, humidity_lsb, humidity_range, humidity_zero, humidity_shift),
+        "echo": EchoCodes(lsb, longest, shortest, bits),
         "output_unit": output_unit,
+        "output_type": output_type,
         "max_error": max_error_mm * 1e-3,
         "max_distance": max_distance,
         "accept": accept or (),
         "assume": dict(_assignment(text) for text in assume or ()),
         "max_table_bytes": max_table_bytes,
+        "max_bits": max_bits,
         "n_threads": threads,
         "model_name": model.name,
     }
@@ -241,6 +272,8 @@ def _proving(tell: Tell) -> Tell:
 
 
 def _unmeasured(target: str) -> list[str]:
+    if not silicon.cores_of(target):
+        return [f"not measured: no simulator of {target} is known to this version"]
     absent = {core: silicon.missing(core) for core in silicon.cores_of(target)}
     return [f"not measured on {core}: no {', '.join(tools)}" for core, tools in absent.items() if tools]
 
@@ -273,25 +306,6 @@ def _refuse_outputs(
         force=force,
         told=True,
     )
-
-
-def _range(name: str, text: str, example: str) -> tuple[float, float]:
-    low, separator, high = text.partition(":")
-    try:
-        return float(low), float(high if separator else "missing")
-    except ValueError:
-        message = f"{name} is '{text}': give LOW:HIGH, as in {name}={example}"
-        raise UsageError(message) from None
-
-
-def _humidity_codes(lsb: float | None, codes: str | None, zero: float) -> HumidityCodes | None:
-    if lsb is not None:
-        return HumidityCodes(lsb, *_range("--humidity-range", codes or "0:1", "0:1"), zero)
-    if codes is not None or zero:
-        option = "--humidity-zero" if codes is None else "--humidity-range"
-        message = f"{option} needs --humidity-lsb, the step of one humidity code"
-        raise UsageError(message)
-    return None
 
 
 def _assignment(text: str) -> tuple[str, float]:

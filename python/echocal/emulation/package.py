@@ -32,7 +32,6 @@ PARTS_OF_ERROR = {
 
 _SPEED, _DEFAULT_PART = "speed", "air"  # stages of effects
 
-_METERS = {"um": 1e-6, "mm": 1e-3, "cm": 1e-2}
 _SKETCH = "examples/HcSr04/HcSr04.ino"
 _FINE, _COARSE = (0.0625, -20.0, 60.0), (0.25, -20.0, 60.0)  # step and range of the codes [degC]
 _HUMIDITIES = (0.05, 0.0, 1.0)
@@ -93,7 +92,10 @@ def columns_of_package(played: Played, made: Firmware) -> pd.DataFrame:
         rows[row, : len(numbers)] = [int(word) for word in numbers]
     scaled = [one["zero"] + one["lsb"] * rows[:, place] for place, one in enumerate(axes)]
     table = pd.DataFrame(
-        {"echo_us": np.round(scaled[0] * 1e6, 9), "reading_m": rows[:, -1] * _METERS[made.unit]}
+        {
+            "echo_us": np.round(scaled[0] * 1e6, 9),
+            "reading_m": rows[:, -1] * float(made.report["device"]["output"]["lsb"]),
+        }
     )
     table["reading_m"] = table["reading_m"].round(9)
     table["temperature_C"] = np.round(scaled[1], 9)

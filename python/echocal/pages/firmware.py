@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from echocal.charts.parts import Axis, Chart, Line, Panel, span
+from echocal.codes import value_at
 from echocal.errors import DomainWarning, EchocalError
 from echocal.firmware import Firmware
 from echocal.model import Model
@@ -119,8 +120,8 @@ def _error(made: Firmware, model: Model, assumed: dict[str, float]) -> Chart | N
     lines = []
     try:
         for code, tone in zip(_codes(thermometer, _LINES), _TONES, strict=True):
-            air = {one["quantity"]: one["zero"] + one["lsb"] * middle[one["quantity"]] for one in others}
-            celsius = thermometer["zero"] + thermometer["lsb"] * int(code)
+            air = {one["quantity"]: value_at(one, middle[one["quantity"]]) for one in others}
+            celsius = value_at(thermometer, int(code))
             with warnings.catch_warnings():  # `generate` has told it
                 warnings.simplefilter("ignore", DomainWarning)
                 true = model.distance(echo * device["echo"]["lsb"], temperature=celsius, **{**assumed, **air})

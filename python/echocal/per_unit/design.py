@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from echocal.codes import EchoCodes
 from echocal.device_uncertainty import rounded_up
 from echocal.errors import BoundError, DomainWarning, UsageError
 from echocal.firmware import Firmware, generate
@@ -26,6 +27,7 @@ _SHARE = 0.5
 output. Set by hand: it leaves the function as much."""
 _BEYOND = 1e-3  # m; the function underneath is bounded so much farther, for echo codes that are rounded up
 _STRAIGHT = 1e-12  # s; rounding of an echo time of 24 ms in double precision is far below
+_ECHO_BITS = 16
 _OUT_OF_RANGE = -(2**31)
 
 
@@ -121,7 +123,7 @@ def generate_per_unit(
     >>> made.report["per_unit"]["error_proven_m"] < 0.5e-3
     True
     """
-    _refuse(package, output_unit)
+    _refuse(package, output_unit, request.get("echo"))
     box = Box.around(model, per_unit)
     least = box.least(model)
     told = {"per_unit": box.texts(), "max_error_mm": max_error * 1e3, "max_distance_m": max_distance}
@@ -136,7 +138,10 @@ def generate_per_unit(
     return _with_units(made, layout, share, max_error, max_distance, model)
 
 
-def _refuse(package: str, output_unit: str) -> None:
+def _refuse(package: str, output_unit: str, echo: EchoCodes | None) -> None:
+    if echo is not None and echo.bits != _ECHO_BITS:
+        message = f"unit data correct echo codes of {_ECHO_BITS} bits, and the timer has {echo.bits}: choose one of 16"
+        raise UsageError(message)
     if package != "c":
         message = f"the package {package} has no unit data: choose {keyword('package', 'c')}"
         raise UsageError(message)

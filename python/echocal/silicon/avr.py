@@ -9,7 +9,7 @@ from functools import cached_property
 from pathlib import Path
 
 from echocal.errors import EchocalError
-from echocal.silicon.board import HERE, Board, Calls, Generated, axes, function
+from echocal.silicon.board import HERE, Board, Calls, Generated, axes, function, strides
 from echocal.silicon.tools import run
 
 HEADERS = Path("/usr/include/simavr/sim_avr.h")
@@ -40,20 +40,22 @@ class Avr(Board):
         text = HEADERS.with_name("sim_core_config.h").read_text(encoding="utf-8")
         return f"simavr {text.split('CONFIG_SIMAVR_VERSION')[1].split()[0].strip(chr(34))}"
 
-    def driver(self, thing: Path, name: str, *library: str) -> tuple[Path, Path]:
+    def driver(self, thing: Path, made: Generated, *library: str) -> tuple[Path, Path]:
         """Return the program that makes the calls, and the chip's."""
+        name, places = function(made), _registers(made)
         chip, driver = thing.with_name("avr-call.elf"), thing.with_name("avr-driver")
         bare = ("-nostartfiles", "-Wl,--gc-sections,-e,once")
         stub = (f"-DDISTANCE={name}", HERE / "avr_stub.S")
         run(self.compiler, *self.flags, *stub, thing, *bare, *library, "-o", chip)
-        run("gcc", "-O2", "-Wall", "-Wextra", "-Werror", HERE / "avr_driver.c", "-o", driver, *LIBRARY)
+        strict = ("-O2", "-Wall", "-Wextra", "-Werror")
+        run("gcc", *strict, *places, HERE / "avr_driver.c", "-o", driver, *LIBRARY)
         return driver, chip
 
     def drive(
         self, thing: Path, made: Generated, step: int, damp_step: int = 1, *library: str
     ) -> tuple[list[int], list[Calls]]:
         """Return the hashes of the rows, and for each process the cost of its calls."""
-        driver, chip = self.driver(thing, function(made), *library)
+        driver, chip = self.driver(thing, made, *library)
         echo, (first, last), *damp = axes(made)
         length = ROWS_EACH * step
         spans = [(low, min(last, low + length - step)) for low in range(first, last + 1, length)]
@@ -81,13 +83,30 @@ class Avr(Board):
 
     def output_hash(self, thing: Path, made: Generated) -> str:
         """Hash over every accepted input, one call each, all of them in the same number of cycles."""
-        rows, found = self.drive(thing, made, 1)
+        warm, damp = [*strides(made), 1][:2]
+        rows, found = self.drive(thing, made, warm, damp)
         fewest, most = min(part.fewest for part in found), max(part.most for part in found)
         if fewest != most:
             message = f"not of constant time: calls take {fewest} to {most} cycles"
             raise EchocalError(message)
         first, last = axes(made)[0]
         return f"{joined(rows, last - first + 1):016x}"
+
+
+def _registers(made: Generated) -> tuple[str, ...]:
+    """Return macros for the first register of each argument, and whether the result has 16 bits."""
+    device = made.report["device"]
+    given = {"ECHO": "u16", "TEMPERATURE": "i16", "HUMIDITY": "u8"}
+    given |= {
+        name: axis.get("type", given[name])
+        for name, axis in zip(given, (device["echo"], *device["conditions"]), strict=False)
+    }
+    place, macros = 26, []
+    for name, kind in given.items():
+        place -= 4 if kind.endswith("32") else 2
+        macros.append(f"-D{name}={place}")
+    short = device.get("output", {}).get("type", "i32") == "i16"
+    return (*macros, f"-DSHORT={int(short)}")
 
 
 def joined(hashes: list[int], length: int) -> int:

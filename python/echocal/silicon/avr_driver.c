@@ -16,7 +16,17 @@
 
 #include "hash.h"
 
-enum { LOW = 0x5D, HIGH = 0x5E, STACK_TOP = 0x8FF, ECHO = 24, TEMPERATURE = 22, HUMIDITY = 20, RESULT = 22 };
+/* Registers of the arguments; each takes two, of 32 bits four, from r25 down. A result of 16 bits is in r24 and r25. */
+#ifndef ECHO
+#define ECHO 24
+#define TEMPERATURE 22
+#define HUMIDITY 20
+#endif
+#ifndef SHORT
+#define SHORT 0
+#endif
+
+enum { LOW = 0x5D, HIGH = 0x5E, STACK_TOP = 0x8FF, RESULT = 22 };
 enum { SLEEP = 1, ENOUGH = 1000000 }; /* cycles */
 
 static avr_t *avr;
@@ -34,14 +44,21 @@ static void put(int where, unsigned value)
     avr->data[where + 1] = (uint8_t)(value >> 8);
 }
 
+/* An argument of up to 32 bits: what it does not use belongs to the one before it, which is put after it. */
+static void give(int where, uint32_t value)
+{
+    put(where, value & 0xFFFFU);
+    put(where + 2, value >> 16);
+}
+
 /* What the function returns, as it left it in r22 .. r25. */
 static uint32_t call(unsigned echo, int temperature, unsigned humidity, int watch_stack)
 {
     const avr_cycle_count_t before = avr->cycle;
     put(LOW, STACK_TOP);
-    put(ECHO, echo);
-    put(TEMPERATURE, (unsigned)temperature);
-    put(HUMIDITY, humidity);
+    give(HUMIDITY, humidity);
+    give(TEMPERATURE, (uint32_t)temperature);
+    give(ECHO, echo);
     avr->pc = 0;
     avr->state = cpu_Running;
     while (avr->state == cpu_Running) {
@@ -56,6 +73,9 @@ static uint32_t call(unsigned echo, int temperature, unsigned humidity, int watc
     fewest = spent < fewest ? spent : fewest;
     most = spent > most ? spent : most;
     const uint8_t *result = avr->data + RESULT;
+    if (SHORT) {
+        return (uint32_t)(int32_t)(int16_t)(result[2] | (uint16_t)result[3] << 8);
+    }
     return result[0] | (uint32_t)result[1] << 8 | (uint32_t)result[2] << 16 | (uint32_t)result[3] << 24;
 }
 

@@ -7,12 +7,21 @@
 #include "echocal_selftest.h"
 #endif
 
-/* The function's name and the type of its temperature, where they are others than most. */
+/* The function's name, its type and those of its codes, where they are others than most. */
 #ifndef DISTANCE
 #define DISTANCE echocal_distance_um
 #endif
 #ifndef CODE
 #define CODE int16_t
+#endif
+#ifndef RESULT
+#define RESULT int32_t
+#endif
+#ifndef DAMP
+#define DAMP uint8_t
+#endif
+#ifndef ECHO
+#define ECHO uint16_t
 #endif
 #ifdef ECHOCAL_ECHO_US_LAST
 #define ECHO_FIRST ECHOCAL_ECHO_US_FIRST
@@ -22,14 +31,26 @@
 #define ECHO_LAST ECHOCAL_ECHO_CODE_LAST
 #endif
 
-#ifdef ECHOCAL_HUMIDITY_CODE_FIRST
-#define ARGUMENTS uint16_t echo, CODE code, uint8_t damp
-#define TYPES uint16_t, CODE, uint8_t
-#define GIVEN(echo, code, damp) (uint16_t)(echo), (CODE)(code), (uint8_t)(damp)
+/* Codes between those that the function tells apart. */
+#ifdef ECHOCAL_TEMPERATURE_CODE_SHIFT
+#define WARM_STEP (1 << ECHOCAL_TEMPERATURE_CODE_SHIFT)
 #else
-#define ARGUMENTS uint16_t echo, CODE code
-#define TYPES uint16_t, CODE
-#define GIVEN(echo, code, damp) (uint16_t)(echo), (CODE)(code)
+#define WARM_STEP 1
+#endif
+#ifdef ECHOCAL_HUMIDITY_CODE_SHIFT
+#define DAMP_STEP (1 << ECHOCAL_HUMIDITY_CODE_SHIFT)
+#else
+#define DAMP_STEP 1
+#endif
+
+#ifdef ECHOCAL_HUMIDITY_CODE_FIRST
+#define ARGUMENTS ECHO echo, CODE code, DAMP damp
+#define TYPES ECHO, CODE, DAMP
+#define GIVEN(echo, code, damp) (ECHO)(echo), (CODE)(code), (DAMP)(damp)
+#else
+#define ARGUMENTS ECHO echo, CODE code
+#define TYPES ECHO, CODE
+#define GIVEN(echo, code, damp) (ECHO)(echo), (CODE)(code)
 #define ECHOCAL_HUMIDITY_CODE_FIRST 0
 #define ECHOCAL_HUMIDITY_CODE_LAST 0
 #endif
@@ -38,10 +59,10 @@ enum { WRITE0 = 0x04, EXIT = 0x18, CALLS = 2000, DEEP = 1024, PAINT = 0xA5 };
 volatile int32_t sink;
 
 /* One instruction, its return. */
-static int32_t __attribute__((noinline)) nothing(ARGUMENTS)
+static RESULT __attribute__((noinline)) nothing(ARGUMENTS)
 {
     (void)code;
-    return echo;
+    return (RESULT)echo;
 }
 
 #ifdef __riscv
@@ -99,9 +120,9 @@ static uint64_t hash_of_all(void)
     uint64_t all = 0;
     int32_t code;
     int32_t echo;
-    for (code = ECHOCAL_TEMPERATURE_CODE_FIRST; code <= ECHOCAL_TEMPERATURE_CODE_LAST; code++) {
+    for (code = ECHOCAL_TEMPERATURE_CODE_FIRST; code <= ECHOCAL_TEMPERATURE_CODE_LAST; code += WARM_STEP) {
         int32_t damp;
-        for (damp = ECHOCAL_HUMIDITY_CODE_FIRST; damp <= ECHOCAL_HUMIDITY_CODE_LAST; damp++) {
+        for (damp = ECHOCAL_HUMIDITY_CODE_FIRST; damp <= ECHOCAL_HUMIDITY_CODE_LAST; damp += DAMP_STEP) {
             for (echo = ECHO_FIRST; echo <= ECHO_LAST; echo++) {
                 all = append(all, (uint32_t)DISTANCE(GIVEN(echo, code, damp)));
             }
@@ -112,9 +133,9 @@ static uint64_t hash_of_all(void)
 #else
 
 /* Ticks that CALLS calls take. */
-static uint32_t time_of(int32_t (*volatile function)(TYPES), int32_t echo, int32_t code, int32_t damp)
+static uint32_t time_of(RESULT (*volatile function)(TYPES), int32_t echo, int32_t code, int32_t damp)
 {
-    int32_t (*const called)(TYPES) = function;
+    RESULT (*const called)(TYPES) = function;
     uint32_t start = now();
     int32_t count;
     (void)damp;
@@ -125,7 +146,7 @@ static uint32_t time_of(int32_t (*volatile function)(TYPES), int32_t echo, int32
 }
 
 /* Bytes below the caller's stack that a call writes to. */
-static uint32_t __attribute__((noinline)) stack_of(int32_t (*volatile function)(TYPES))
+static uint32_t __attribute__((noinline)) stack_of(RESULT (*volatile function)(TYPES))
 {
     uintptr_t here, place;
     __asm__ volatile(MOVE " %0, sp" : "=r"(here));

@@ -122,6 +122,11 @@ def axes(made: Generated) -> list[tuple[int, int]]:
     return [(axis["minimum"], axis["maximum"]) for axis in codes]
 
 
+def strides(made: Generated) -> list[int]:
+    """Return the codes in a step that the function tells apart, of each condition."""
+    return [1 << axis.get("shift", 0) for axis in made.report["device"]["conditions"]]
+
+
 def called(made: Generated) -> str:
     """Return what the names of the files and functions begin with."""
     return str(made.report.get("name", DEFAULT))
@@ -136,10 +141,19 @@ def _alias(name: str, header: str) -> str:
 
 def function(made: Generated) -> str:
     """Return the name of the function."""
-    return f"{called(made)}_distance_{made.report['device'].get('output', {'unit': 'um'})['unit']}"
+    output = made.report["device"].get("output", {"unit": "um"})
+    return f"{called(made)}_distance_{output.get('suffix', output['unit'])}"
 
 
-def definitions(made: Generated) -> tuple[str, str]:
-    """Return the macros by which a program for the board knows the function and its temperature."""
-    warm = made.report["device"]["conditions"][0].get("type", "i16")
-    return f"-DDISTANCE={function(made)}", f"-DCODE={'uint16_t' if warm == 'u16' else 'int16_t'}"
+def definitions(made: Generated) -> tuple[str, ...]:
+    """Return the macros by which a program for the board knows the function and the types of its codes."""
+    device = made.report["device"]
+    given = zip(("ECHO", "CODE", "DAMP"), (device["echo"], *device["conditions"]), strict=False)
+    types = (f"-D{name}={_type(axis['type'])}" for name, axis in given if "type" in axis)
+    result = f"-DRESULT={_type(device.get('output', {}).get('type', 'i32'))}"
+    return f"-DDISTANCE={function(made)}", result, *types
+
+
+def _type(short: str) -> str:
+    """Name in C of a type such as u16."""
+    return f"{'u' if short[0] == 'u' else ''}int{short[1:]}_t"

@@ -86,6 +86,7 @@ def riscv(name: str, architecture: str, binary_interface: str) -> Board:
     )
 
 
+_STANDARD = "c99"
 CORES = {
     board.name: board
     for board in (
@@ -101,7 +102,7 @@ CORES = {
 
 
 def cores_of(target: str) -> list[str]:
-    """Return the cores that a target is for: its own, or all where the target is only a standard.
+    """Return the cores that a target is for: its own, all where the target is only a standard, or none.
 
     Parameters
     ----------
@@ -118,4 +119,4 @@ def cores_of(target: str) -> list[str]:
     >>> cores_of("avr")
     ['avr']
     """
-    return [target] if target in CORES else list(CORES)
+    return list(CORES) if target == _STANDARD else [target] if target in CORES else []

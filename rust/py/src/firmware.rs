@@ -3,6 +3,7 @@
 use echocal_core::{Conditions, Quantity};
 use echocal_firmware::emit::unit_files;
 use echocal_firmware::lower::{Lowered, Omission, describe, lower, lower_without_echo};
+use echocal_firmware::output::OUTPUTS;
 use echocal_firmware::target;
 use echocal_firmware::{
     Axis, Design, Device, Error, Filter, Measurement, Output, Package, Prefer, Progress,
@@ -15,6 +16,7 @@ use std::sync::Arc;
 
 use crate::border::{Column, same_length};
 use crate::errors::raise;
+use crate::firmware_request::{Condition, Measured, Scale, StatedUncertainty, conditions};
 use crate::model::CoreModel;
 
 /// Outputs of rows \[um\].
@@ -107,64 +109,6 @@ impl CoreFirmware {
     }
 }
 
-/// What Python says of the uncertainty of an output.
-#[derive(FromPyObject)]
-#[pyo3(from_item_all)]
-pub struct StatedUncertainty {
-    includes: Vec<String>,
-    expanded: Vec<(f64, f64)>,
-    offset: f64,
-    slope: f64,
-}
-
-impl From<StatedUncertainty> for Uncertainty {
-    fn from(stated: StatedUncertainty) -> Self {
-        Self {
-            includes: stated.includes,
-            expanded: stated.expanded,
-            offset: stated.offset,
-            slope: stated.slope,
-        }
-    }
-}
-
-/// What Python measured on one core.
-#[derive(FromPyObject)]
-#[pyo3(from_item_all)]
-pub struct Measured {
-    core: String,
-    compiler: String,
-    options: String,
-    simulator: String,
-    flash_bytes: u64,
-    own_flash_bytes: u64,
-    ram_bytes: u64,
-    stack_bytes: u64,
-    cycles: Option<u64>,
-    fewest_cycles: Option<u64>,
-    instructions: Option<u64>,
-    fewest_instructions: Option<u64>,
-}
-
-impl From<Measured> for Measurement {
-    fn from(found: Measured) -> Self {
-        Self {
-            core: found.core,
-            compiler: found.compiler,
-            options: found.options,
-            simulator: found.simulator,
-            flash_bytes: found.flash_bytes,
-            own_flash_bytes: found.own_flash_bytes,
-            ram_bytes: found.ram_bytes,
-            stack_bytes: found.stack_bytes,
-            cycles: found.cycles,
-            fewest_cycles: found.fewest_cycles,
-            instructions: found.instructions,
-            fewest_instructions: found.fewest_instructions,
-        }
-    }
-}
-
 /// The request from Python.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
@@ -173,14 +117,18 @@ pub struct FirmwareRequest {
     package: String,
     prefer: String,
     form: Option<String>,
-    temperature: Codes,
-    humidity: Option<Codes>,
-    /// Tick, shortest and longest echo time \[us\].
-    echo: (f64, f64, f64),
+    temperature: Condition,
+    /// In place of those codes: the first code, temperatures from it on \[degC\], and words.
+    thermistor: Option<Scale>,
+    humidity: Option<Condition>,
+    /// Tick, shortest and longest echo time \[us\], bits of the timer.
+    echo: (f64, f64, f64, u32),
     output_unit: String,
+    output_type: Option<String>,
     maximum_error: f64,
     maximum_distance: f64,
     maximum_table: usize,
+    widest: u32,
     threads: usize,
     accept: Vec<String>,
     assumed: [f64; Quantity::COUNT],
@@ -195,12 +143,28 @@ pub struct FirmwareRequest {
     outside_domain: Vec<String>,
 }
 
+/// Names of targets: those with a core of their own, and those that the C of the first is for, too.
+#[pyfunction]
+pub fn firmware_targets() -> (Vec<&'static str>, Vec<&'static str>) {
+    let own = target::TARGETS.iter().map(|target| target.name);
+    (own.collect(), target::ALSO.to_vec())
+}
+
+/// Names of the units of an output, each with the end of the function's name.
+#[pyfunction]
+pub fn output_units() -> Vec<(&'static str, &'static str)> {
+    let names = OUTPUTS.iter().map(|output| (output.unit, output.suffix()));
+    names.collect()
+}
+
 /// What the echo times of a device depend on.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub struct EchoTimesRequest {
-    temperature: Codes,
-    humidity: Option<Codes>,
+    temperature: Condition,
+    /// In place of those codes: the first code, temperatures from it on \[degC\], and words.
+    thermistor: Option<Scale>,
+    humidity: Option<Condition>,
     maximum_distance: f64,
     accept: Vec<String>,
     assumed: [f64; Quantity::COUNT],
@@ -217,7 +181,7 @@ pub fn echo_times(
     let model = &model.model;
     let mut interrupted = None;
     let found = py.detach(|| {
-        let conditions = conditions(request.temperature, request.humidity)?;
+        let conditions = conditions(request.temperature, &request.thermistor, request.humidity)?;
         let assumed = Conditions::new(request.assumed);
         let (accept, far) = (&request.accept, request.maximum_distance);
         let lowered = lower_without_echo(model, &conditions, &assumed, accept, far)?;
@@ -278,24 +242,12 @@ impl Failure {
 
 /// What the device measures.
 fn device(request: &FirmwareRequest) -> Result<Device, Error> {
-    let (tick, shortest, longest) = request.echo;
+    let (tick, shortest, longest, bits) = request.echo;
     Ok(Device {
-        echo: Axis::echo(tick, shortest, longest)?,
-        conditions: conditions(request.temperature, request.humidity)?,
-        output: Output::parse(&request.output_unit)?,
+        echo: Axis::timer(tick, shortest, longest, bits)?,
+        conditions: conditions(request.temperature, &request.thermistor, request.humidity)?,
+        output: Output::parse(&request.output_unit)?.typed(request.output_type.as_deref())?,
     })
-}
-
-/// LSB, lowest and highest value, and the value of code 0.
-type Codes = (f64, f64, f64, f64);
-
-fn conditions(temperature: Codes, humidity: Option<Codes>) -> Result<Vec<Axis>, Error> {
-    let (lsb, low, high, zero) = temperature;
-    let mut axes = vec![Axis::temperature(lsb, low, high, zero)?];
-    if let Some((lsb, low, high, zero)) = humidity {
-        axes.push(Axis::humidity(lsb, low, high, zero)?);
-    }
-    Ok(axes)
 }
 
 fn lowered(
@@ -320,7 +272,7 @@ fn meet(
 ) -> Result<CoreFirmware, Failure> {
     let package = Package::parse(&request.package)?; // before the proof, which may take a minute
     let device = device(request)?;
-    package.check(&device.echo)?;
+    package.check(&device)?;
     let filter = request.median.map(|(window, gate)| {
         package.check_filter()?;
         Filter::new(window, gate, &device.output)
@@ -333,6 +285,7 @@ fn meet(
         maximum_error: request.maximum_error,
         maximum_distance: request.maximum_distance,
         maximum_table: request.maximum_table,
+        widest: request.widest,
         form: request.form.as_deref(),
         target: Target::parse(&request.target)?,
         prefer: Prefer::parse(&request.prefer)?,
@@ -360,6 +313,7 @@ fn meet(
         fitted: request.fitted.clone(),
         outside_domain: request.outside_domain.clone(),
         filter,
+        resolution: lowered.resolution(&device, request.maximum_distance),
         assumptions: lowered.omissions.iter().map(ToString::to_string).collect(),
         omissions: lowered.omissions.iter().map(Omission::to_json).collect(),
         maximum_error: request.maximum_error,

@@ -10,6 +10,7 @@ mod columns_layout;
 mod domain;
 mod errors;
 mod firmware;
+mod firmware_request;
 mod infer;
 mod infer_checks;
 mod infer_classes;
@@ -43,7 +44,9 @@ mod _core {
     #[pymodule_export]
     use super::domain::{departure, departure_names, departures};
     #[pymodule_export]
-    use super::firmware::{CoreFirmware, design_firmware, echo_times};
+    use super::firmware::{
+        CoreFirmware, design_firmware, echo_times, firmware_targets, output_units,
+    };
     #[pymodule_export]
     use super::infer::{
         averaged_out, fit_hypotheses, imitations, mean_squares_left, posterior, preferred_form,

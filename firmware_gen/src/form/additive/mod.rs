@@ -5,7 +5,7 @@ mod fitting;
 use super::adapted;
 use super::contract::{Fit, Form};
 use super::plane::Plane;
-use super::steps::{floor_shift, humidity_index};
+use super::steps::{floor_shift, second_index};
 use super::temperature::FORMS;
 use crate::ir::{Builder, Value};
 use crate::target::Cost;
@@ -14,12 +14,21 @@ use std::sync::{Arc, OnceLock};
 /// Name of the form.
 pub const NAME: &str = "additive";
 
-/// Binary places that the product with the second condition loses: whole bytes first. Set by hand.
+/// Binary places that the product with the second condition loses, if that has 8 bits: whole bytes first. Set by hand.
 const SHIFTS: [u32; 2] = [8, 11];
+/// Bits of a second condition that the places above suit.
+const USUAL: u32 = 8;
 /// A form dominates another although its error is larger, if the difference is at most this share of the bound. Set by hand.
 const NEAR: f64 = 0.05;
 /// Binary places that the square of the second condition loses first: one byte, so that the shift moves whole bytes.
 const SQUARE_SHIFTS: [u32; 1] = [8];
+
+/// The places for the second condition of this device: each of its bits beyond the usual ones needs one more.
+fn places(usual: &[u32], fit: &Fit<'_>) -> Vec<u32> {
+    let codes = fit.device.conditions[1].len();
+    let more = codes.next_power_of_two().ilog2().saturating_sub(USUAL);
+    usual.iter().map(|places| places + more).collect()
+}
 
 /// Forms of the temperature, and how they are joined by the second condition.
 #[derive(Debug)]
@@ -82,12 +91,12 @@ pub(super) fn propose(fit: &Fit<'_>) -> Vec<Box<dyn Form>> {
             .into_iter()
             .map(Base::new)
             .collect();
-        for bits in if fit.core.byte_shifts {
-            &SHIFTS[..1]
+        let kept = if fit.core.byte_shifts {
+            1
         } else {
-            &SHIFTS
-        } {
-            let bits = *bits;
+            SHIFTS.len()
+        };
+        for bits in places(&SHIFTS[..kept], fit) {
             let slopes = forms(&plane.ideal(lines, 1, bits));
             let bends: Vec<Option<(Priced, u32)>> = if degree == 1 {
                 vec![None]
@@ -96,7 +105,7 @@ pub(super) fn propose(fit: &Fit<'_>) -> Vec<Box<dyn Form>> {
                     let found = forms(&plane.ideal(lines, 2, bits + more)).into_iter();
                     found.map(|form| Some((form, *more))).collect::<Vec<_>>()
                 };
-                SQUARE_SHIFTS.iter().flat_map(of).collect()
+                places(&SQUARE_SHIFTS, fit).iter().flat_map(of).collect()
             };
             for bend in &bends {
                 for slope in &slopes {
@@ -265,7 +274,7 @@ impl Form for Additive {
     }
 
     fn build(&self, builder: &mut Builder<'_>) -> Value {
-        let humidity = humidity_index(builder);
+        let humidity = second_index(builder);
         let bend = self.bend.as_ref().map(|(form, more)| {
             let before = builder.set_prefix("humidity_square_");
             let factor = form.build(builder);

@@ -191,7 +191,7 @@ impl Tail {
 
     /// Add the steps from the speed `factor` to the distance \[unit\].
     pub fn build(&self, builder: &mut Builder<'_>, factor: Value) -> Value {
-        let unit = builder.device().output.unit;
+        let unit = builder.device().output.text();
         let less = if self.leading { " less 2^16" } else { "" };
         let note = format!(
             "half the speed of sound{less} [2^-{} {unit} per echo code]",

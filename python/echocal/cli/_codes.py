@@ -1,0 +1,75 @@
+"""Options of the codes that a device has."""
+
+from dataclasses import replace
+
+from echocal.errors import UsageError
+from echocal.firmware import HumidityCodes, TemperatureCodes
+from echocal.sensors import Sensor
+from echocal.thermistor import ThermistorCodes, thermistor_of
+
+__all__ = ["humidity_codes", "thermometer"]
+
+
+def _temperature_codes(
+    sensor: Sensor | None, lsb: float | None, codes: str | None, zero: float | None, shift: int | None
+) -> TemperatureCodes:
+    """Return the codes of the thermometer: of a known sensor or a DS18B20, but for what is given."""
+    usual = TemperatureCodes() if sensor is None else sensor.temperature
+    found = replace(usual, **_given(lsb, zero, shift))
+    if codes is not None:
+        low, high = _range("--temperature-range", codes, "-20:60")
+        found = replace(found, low=low, high=high)
+    return found
+
+
+def thermometer(
+    ntc: str | None,
+    sensor: Sensor | None,
+    lsb: float | None,
+    codes: str | None,
+    zero: float | None,
+    shift: int | None,
+) -> TemperatureCodes | ThermistorCodes:
+    """Return the codes of a thermistor if there is one, else those of the thermometer."""
+    if ntc is None:
+        return _temperature_codes(sensor, lsb, codes, zero, shift)
+    if sensor is not None or _given(lsb, zero, shift):
+        message = (
+            "--ntc states the codes of the thermometer: leave out --sensor, --temperature-lsb, "
+            "--temperature-zero and --temperature-shift"
+        )
+        raise UsageError(message)
+    return thermistor_of(ntc, *_range("--temperature-range", codes or "-20:60", "-20:60"))
+
+
+def humidity_codes(
+    sensor: Sensor | None, lsb: float | None, codes: str | None, zero: float | None, shift: int | None
+) -> HumidityCodes | None:
+    """Return the codes of the hygrometer; None if the device has none."""
+    usual = None if sensor is None else sensor.humidity
+    given = _given(lsb, zero, shift)
+    if usual is None and lsb is None:
+        if codes is None and not given:
+            return None
+        option = "--humidity-range" if codes is not None else f"--humidity-{min(given)}"
+        message = f"{option} needs --humidity-lsb, the step of one humidity code"
+        raise UsageError(message)
+    found = replace(usual or HumidityCodes(), **given)
+    if codes is not None:
+        low, high = _range("--humidity-range", codes, "0:1")
+        found = replace(found, low=low, high=high)
+    return found
+
+
+def _given(lsb: float | None, zero: float | None, shift: int | None) -> dict[str, float]:
+    given = {"lsb": lsb, "zero": zero, "shift": shift}
+    return {name: value for name, value in given.items() if value is not None}
+
+
+def _range(name: str, text: str, example: str) -> tuple[float, float]:
+    low, separator, high = text.partition(":")
+    try:
+        return float(low), float(high if separator else "missing")
+    except ValueError:
+        message = f"{name} is '{text}': give LOW:HIGH, as in {name}={example}"
+        raise UsageError(message) from None
