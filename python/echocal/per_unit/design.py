@@ -140,7 +140,10 @@ def generate_per_unit(
 
 def _refuse(package: str, output_unit: str, echo: EchoCodes | None) -> None:
     if echo is not None and echo.bits != _ECHO_BITS:
-        message = f"unit data correct echo codes of {_ECHO_BITS} bits, and the timer has {echo.bits}: choose one of 16"
+        message = (
+            f"unit data correct echo codes of {_ECHO_BITS} bits, and the timer has {echo.bits}: choose "
+            f"{keyword('bits', _ECHO_BITS)}"
+        )
         raise UsageError(message)
     if package != "c":
         message = f"the package {package} has no unit data: choose {keyword('package', 'c')}"
