@@ -193,7 +193,7 @@ def test_a_sensor_with_a_longer_blanking_distance(tmp_path: Path) -> None:
         (EchoCodes(1.0, 5_000, float("nan")), "give an echo min of 0 or more, below the echo max"),
         (EchoCodes(0.25, 20_000), "us is code 80000 of LSB 0.25 us: it is outside 1 .. 65535"),
         (EchoCodes(0.0), "echo LSB 0 us is no tick of a timer"),
-        ((1.0, 5_000.0, None), "give EchoCodes(lsb, longest, shortest), or the numbers as a tuple"),
+        ((1.0, 5_000.0, None), "give EchoCodes(lsb, longest, shortest, bits), or the numbers as a tuple"),
     ],
 )
 def test_echo_codes_that_make_no_sense(echo: Any, message: str) -> None:

@@ -162,7 +162,7 @@ def test_what_the_law_assumes_is_stated() -> None:
             "of the temperature alone, and the device measures",
         ),
         ({"form": "segments"}, "no form 'segments' computes this model for c99"),
-        ({"humidity": (0.1, 0.55, 0.56)}, "0.55:0.56 holds no code of LSB 0.1"),
+        ({"humidity": (0.1, 0.55, 0.56)}, "0.55:0.56 (1 is 100 %) with LSB 0.1 holds no code"),
         ({"form": "spline"}, "unknown form 'spline'; this version has polynomial"),
         ({"assume": {"relative_humdity": 0.5}}, "unknown influence quantity"),
     ],
