@@ -17,6 +17,7 @@ from echocal.codes import value_at
 from echocal.firmware import EchoCodes, Firmware, HumidityCodes, TemperatureCodes, ThermistorCodes
 from echocal.sensors import SENSORS, sensor_of
 from echocal.silicon.board import definitions
+from echocal.thermistor import thermistor_of
 
 MODEL = Model("cramer", {"fixed_delay": {"delay": 31e-6}})
 TIMER = EchoCodes(1 / 72, None, None, 32)  # 72 MHz
@@ -253,6 +254,25 @@ def test_a_thermistor_is_what_it_is_made_of(codes: ThermistorCodes) -> None:
 def test_no_thermistor(codes: dict[str, Any], message: str) -> None:
     with pytest.raises(UsageError, match=message):
         ThermistorCodes(**codes)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("divider=1e4,beta=3950,r25=1e4,side=left", "side is 'left'; give ground or supply"),
+        ("divider=1e4,beta=3950", r"r25 is None; give a positive number \[ohm\]"),
+        ("beta=3950,r25=1e4", r"divider is None; give a positive number \[ohm\]"),
+        ("divider=-1,beta=3950,r25=1e4", r"divider is -1.0; give a positive number"),
+        ("divider=10k,beta=3950,r25=1e4", "'10k' in the thermistor's divider is no number"),
+        ("divider=1e4,beta=3950,r25=1e4,bits=10.5", r"bits of the converter is 10.5; .* 4 .. 16"),
+        ("divider=1e4,a=1e-3,c=1e-7", "has no b: give a, b and c"),
+        ("divider=1e4,table=0:3e4/50", "'50' of the thermistor's table is no DEGC:OHM"),
+        ("divider=1e4,table=0:3e4/50:4e3", "from 0 to 50 degC, and -20 to 60 degC"),
+    ],
+)
+def test_what_is_wrong_in_the_text_of_a_thermistor_is_named(text: str, message: str) -> None:
+    with pytest.raises(UsageError, match=message):
+        thermistor_of(text, -20.0, 60.0)
 
 
 @pytest.mark.parametrize(
