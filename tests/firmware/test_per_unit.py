@@ -267,6 +267,11 @@ def test_a_recalibration_outside_the_box_is_refused_and_changes_nothing(program:
     assert answers == [f"{status} {block}" for _, status, block in asked]
 
 
+def test_a_recalibration_without_points_reads_none(program: Callable[..., str]) -> None:
+    good = Block(77, 992, 0).to_bytes().hex()
+    assert program("whole codes", f"r {good} 0").split() == [f"{POINT}", good]
+
+
 @pytest.mark.parametrize("name", ["delay alone", "clock alone"])
 def test_a_single_parameter_is_adjusted_by_one_point(
     name: str, program: Callable[..., str], random: np.random.Generator
