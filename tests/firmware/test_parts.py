@@ -183,6 +183,10 @@ def test_humidity_may_fall_as_codes_rise() -> None:
             {"humidity": HumidityCodes(1 / 65_535), "package": "arduino"},
             "humidity_code in steps of 0.0000152",
         ),
+        (
+            {"temperature": TemperatureCodes(1 / 128, -20.0, 60.0, 0.0, 2)},
+            "codes below 0 drop no bits: give a shift of 0 instead of 2, a range without codes below 0,",
+        ),
         ({"echo": EchoCodes(0.001, None, None, 32)}, "echo times end at 16777.2 us"),
     ],
 )
