@@ -128,6 +128,20 @@ def test_published_formulas(name: str) -> None:
             assert codes.zero + codes.lsb * code == pytest.approx(value, abs=0.02 if code > 255 else 1e-9)
 
 
+@pytest.mark.parametrize("name", ["BME280", "HTU21D", "SHT4X", "SI7021"])
+def test_the_note_of_a_sensor_tells_that_saturated_air_is_above_the_last_code(name: str) -> None:
+    part = sensor_of(name)
+    assert part.humidity is not None
+    warm = replace(part.temperature, low=20.0, high=21.0)
+    found = firmware.generate(MODEL, temperature=warm, humidity=part.humidity, max_error=0.8e-3)
+    warm_axis, damp = found.report["device"]["conditions"]
+    saturated = round((1.0 - part.humidity.zero) / part.humidity.lsb)
+    echo, code = 5_000, warm_axis["codes"]["minimum"]
+    assert found.status(echo, code, saturated) == 5
+    assert found.status(echo, code, damp["codes"]["maximum"]) == 0
+    assert "pass at most the last accepted humidity code" in part.note
+
+
 def test_dropped_bits_cost_what_the_header_says(random: np.random.Generator) -> None:
     found = made("twenty_bits", max_distance=4.0, echo=None)
     lines = found.report["provenance"]["resolution"]
