@@ -36,6 +36,7 @@ class Sensor:
 _SHT_T = TemperatureCodes(175 / 65_535, -20.0, 60.0, -45.0, 4)
 _HTU_T = TemperatureCodes(175.72 / 65_536, -20.0, 60.0, -46.85, 4)
 _HTU_H = HumidityCodes(1.25 / 65_536, 0.0, 1.0, -0.06, 8)
+_CROP = "above 100 % the codes go on: pass at most the last accepted humidity code"
 _SIGNED = "two's complement: the sensor sends a sign and a magnitude, which drivers convert"
 
 SENSORS: Mapping[str, Sensor] = {
@@ -49,7 +50,8 @@ SENSORS: Mapping[str, Sensor] = {
         TemperatureCodes(0.01, -20.0, 60.0),
         HumidityCodes(0.01 / 1024, 0.0, 1.0, 0.0, 9),
         "Bosch, BST-BME280-DS001, section 4.2.3: compensation formulas",
-        "what the compensation formulas of the maker return: 0.01 degC, and 1/1024 %",
+        "what the compensation formulas of the maker return: 0.01 degC, and 1/1024 %, which is 102,400 in "
+        "saturated air: pass at most the last accepted humidity code",
     ),
     "DHT11": Sensor(
         TemperatureCodes(1.0, 0.0, 50.0),
@@ -63,7 +65,9 @@ SENSORS: Mapping[str, Sensor] = {
         _SIGNED,
     ),
     "DS18B20": Sensor(TemperatureCodes(), None, "Maxim, DS18B20 datasheet 19-7487, table 1"),
-    "HTU21D": Sensor(_HTU_T, _HTU_H, "TE Connectivity, HTU21D datasheet HPC199_6, conversion of signals"),
+    "HTU21D": Sensor(
+        _HTU_T, _HTU_H, "TE Connectivity, HTU21D datasheet HPC199_6, conversion of signals", _CROP
+    ),
     "SHT3X": Sensor(
         _SHT_T,
         HumidityCodes(1 / 65_535, 0.0, 1.0, 0.0, 8),
@@ -73,8 +77,9 @@ SENSORS: Mapping[str, Sensor] = {
         _SHT_T,
         HumidityCodes(1.25 / 65_535, 0.0, 1.0, -0.06, 8),
         "Sensirion, Datasheet SHT4x, section 4.6",
+        _CROP,
     ),
-    "SI7021": Sensor(_HTU_T, _HTU_H, "Silicon Labs, Si7021-A20 datasheet, sections 5.1.1 and 5.1.2"),
+    "SI7021": Sensor(_HTU_T, _HTU_H, "Silicon Labs, Si7021-A20 datasheet, sections 5.1.1 and 5.1.2", _CROP),
     "TMP117": Sensor(
         TemperatureCodes(0.0078125, -20.0, 60.0),
         None,

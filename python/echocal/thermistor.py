@@ -164,28 +164,40 @@ def thermistor_of(text: str, low: float, high: float) -> ThermistorCodes:
             message = f"'{part}' of the thermistor is no KEY=VALUE; keys are {', '.join(keys)}"
             raise UsageError(message)
         given[key] = value
-    try:
-        return ThermistorCodes(**_read(given), low=low, high=high)
-    except (ValueError, TypeError):
-        message = (
-            f"the thermistor '{text}' is not complete: give divider=OHM and beta=K,r25=OHM, or a=,b=,c=, or "
-            "table=DEGC:OHM/DEGC:OHM/..."
-        )
-        raise UsageError(message) from None
+    return ThermistorCodes(**_read(given), low=low, high=high)
 
 
 def _read(given: Mapping[str, str]) -> dict[str, Any]:
-    found: dict[str, Any] = {key: float(given[key]) for key in ("divider", "beta", "r25") if key in given}
+    found: dict[str, Any] = {"divider": None}
+    found |= {key: _number(key, given[key]) for key in ("divider", "beta", "r25") if key in given}
     if {"a", "b", "c"} & given.keys():
-        found["coefficients"] = tuple(float(given.get(key, "missing")) for key in "abc")
+        if absent := [key for key in "abc" if key not in given]:
+            message = f"the thermistor has no {' and no '.join(absent)}: give a, b and c"
+            raise UsageError(message)
+        found["coefficients"] = tuple(_number(key, given[key]) for key in "abc")
     if "table" in given:
-        pairs = (one.split(":") for one in given["table"].split("/"))
-        found["table"] = tuple((float(at), float(value)) for at, value in pairs)
+        found["table"] = tuple(map(_row, given["table"].split("/")))
     if "bits" in given:
-        found["bits"] = int(given["bits"])
+        found["bits"] = count("bits of the converter", _number("bits", given["bits"]), _MOST_BITS, least=4)
     if "side" in given:
         found["side"] = given["side"]
     return found
+
+
+def _row(text: str) -> tuple[float, float]:
+    at, separator, value = text.partition(":")
+    if not separator:
+        message = f"'{text}' of the thermistor's table is no DEGC:OHM; rows are DEGC:OHM/DEGC:OHM/..."
+        raise UsageError(message)
+    return _number("table", at), _number("table", value)
+
+
+def _number(key: str, text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        message = f"'{text}' in the thermistor's {key} is no number"
+        raise UsageError(message) from None
 
 
 def _between(table: tuple[tuple[float, float], ...], log: float) -> float:

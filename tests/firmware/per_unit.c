@@ -70,7 +70,7 @@ int main(void)
                 points[point].temperature_code = (int16_t)code;
             }
 #ifdef BOTH
-            printf("%d ", echocal_unit_recalibrate(block, points, (uint8_t)many));
+            printf("%d ", echocal_unit_recalibrate(block, (many > 0) ? points : NULL, (uint8_t)many));
 #else
             printf("%d ", echocal_unit_recalibrate(block, &points[0]));
 #endif

@@ -133,6 +133,11 @@ def test_the_best_reachable_is_measured_where_that_is_wanted(
         (("--humidity-range=0:1",), "--humidity-range needs --humidity-lsb"),
         (("--temperature-range=60:-20",), "low <= high"),
         (("--assume", "relative_humidity"), "give NAME=VALUE"),
+        (("--sensor", "SHT31"), "--temperature-zero -45 and --temperature-shift 4 of the sensor would stay"),
+        (
+            ("--sensor", "SHT31", "--temperature-zero=0", "--temperature-shift=0", "--humidity-lsb", "0.01"),
+            "--humidity-shift 8 of the sensor would stay: give --humidity-shift, too",
+        ),
         (("--target", "pdp11"), "unknown target 'pdp11'"),
         (("--accept", "no_such_effect"), "unknown effect 'no_such_effect'"),
         (

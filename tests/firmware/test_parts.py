@@ -17,6 +17,7 @@ from echocal.codes import value_at
 from echocal.firmware import EchoCodes, Firmware, HumidityCodes, TemperatureCodes, ThermistorCodes
 from echocal.sensors import SENSORS, sensor_of
 from echocal.silicon.board import definitions
+from echocal.thermistor import thermistor_of
 
 MODEL = Model("cramer", {"fixed_delay": {"delay": 31e-6}})
 TIMER = EchoCodes(1 / 72, None, None, 32)  # 72 MHz
@@ -127,6 +128,20 @@ def test_published_formulas(name: str) -> None:
             assert codes.zero + codes.lsb * code == pytest.approx(value, abs=0.02 if code > 255 else 1e-9)
 
 
+@pytest.mark.parametrize("name", ["BME280", "HTU21D", "SHT4X", "SI7021"])
+def test_the_note_of_a_sensor_tells_that_saturated_air_is_above_the_last_code(name: str) -> None:
+    part = sensor_of(name)
+    assert part.humidity is not None
+    warm = replace(part.temperature, low=20.0, high=21.0)
+    found = firmware.generate(MODEL, temperature=warm, humidity=part.humidity, max_error=0.8e-3)
+    warm_axis, damp = found.report["device"]["conditions"]
+    saturated = round((1.0 - part.humidity.zero) / part.humidity.lsb)
+    echo, code = 5_000, warm_axis["codes"]["minimum"]
+    assert found.status(echo, code, saturated) == 5
+    assert found.status(echo, code, damp["codes"]["maximum"]) == 0
+    assert "pass at most the last accepted humidity code" in part.note
+
+
 def test_dropped_bits_cost_what_the_header_says(random: np.random.Generator) -> None:
     found = made("twenty_bits", max_distance=4.0, echo=None)
     lines = found.report["provenance"]["resolution"]
@@ -181,6 +196,10 @@ def test_humidity_may_fall_as_codes_rise() -> None:
         (
             {"humidity": HumidityCodes(1 / 65_535), "package": "arduino"},
             "humidity_code in steps of 0.0000152",
+        ),
+        (
+            {"temperature": TemperatureCodes(1 / 128, -20.0, 60.0, 0.0, 2)},
+            "codes below 0 drop no bits: give a shift of 0 instead of 2, a range without codes below 0,",
         ),
         ({"echo": EchoCodes(0.001, None, None, 32)}, "echo times end at 16777.2 us"),
     ],
@@ -253,6 +272,25 @@ def test_a_thermistor_is_what_it_is_made_of(codes: ThermistorCodes) -> None:
 def test_no_thermistor(codes: dict[str, Any], message: str) -> None:
     with pytest.raises(UsageError, match=message):
         ThermistorCodes(**codes)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("divider=1e4,beta=3950,r25=1e4,side=left", "side is 'left'; give ground or supply"),
+        ("divider=1e4,beta=3950", r"r25 is None; give a positive number \[ohm\]"),
+        ("beta=3950,r25=1e4", r"divider is None; give a positive number \[ohm\]"),
+        ("divider=-1,beta=3950,r25=1e4", r"divider is -1.0; give a positive number"),
+        ("divider=10k,beta=3950,r25=1e4", "'10k' in the thermistor's divider is no number"),
+        ("divider=1e4,beta=3950,r25=1e4,bits=10.5", r"bits of the converter is 10.5; .* 4 .. 16"),
+        ("divider=1e4,a=1e-3,c=1e-7", "has no b: give a, b and c"),
+        ("divider=1e4,table=0:3e4/50", "'50' of the thermistor's table is no DEGC:OHM"),
+        ("divider=1e4,table=0:3e4/50:4e3", "from 0 to 50 degC, and -20 to 60 degC"),
+    ],
+)
+def test_what_is_wrong_in_the_text_of_a_thermistor_is_named(text: str, message: str) -> None:
+    with pytest.raises(UsageError, match=message):
+        thermistor_of(text, -20.0, 60.0)
 
 
 @pytest.mark.parametrize(

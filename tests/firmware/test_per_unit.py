@@ -3,7 +3,9 @@
 import functools
 import itertools
 import json
+import tracemalloc
 from collections.abc import Callable, Iterable, Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +17,7 @@ from toolchain import HERE, STRICT, run
 from echocal import Model
 from echocal.errors import BoundError, UsageError
 from echocal.per_unit import Block, UnitFirmware, generate_per_unit
+from echocal.sensors import sensor_of
 
 OUT_OF_RANGE = -(2**31)
 OK, WRONG_VERSION, WRONG_CRC, DELAY, RATE, POINT, TOO_CLOSE = range(7)
@@ -264,6 +267,11 @@ def test_a_recalibration_outside_the_box_is_refused_and_changes_nothing(program:
     assert answers == [f"{status} {block}" for _, status, block in asked]
 
 
+def test_a_recalibration_without_points_reads_none(program: Callable[..., str]) -> None:
+    good = Block(77, 992, 0).to_bytes().hex()
+    assert program("whole codes", f"r {good} 0").split() == [f"{POINT}", good]
+
+
 @pytest.mark.parametrize("name", ["delay alone", "clock alone"])
 def test_a_single_parameter_is_adjusted_by_one_point(
     name: str, program: Callable[..., str], random: np.random.Generator
@@ -323,6 +331,23 @@ def test_a_hygrometer_is_passed_on(tmp_path: Path, random: np.random.Generator) 
         within = truth < 4.0
         assert (found != OUT_OF_RANGE)[within & (truth > 0.03)].all()
         assert np.abs(found * 1e-6 - truth)[within & (found != OUT_OF_RANGE)].max() <= bound
+
+
+def test_codes_whose_bits_are_dropped_are_taken_once_for_each_step() -> None:
+    known = sensor_of("SHT31")
+    assert known.humidity is not None
+    tracemalloc.start()
+    try:
+        generate_per_unit(
+            Model("cramer"),
+            ["fixed_delay=0:8e-5"],
+            max_error=0.8e-3,
+            temperature=replace(known.temperature, low=20.0, high=22.0),
+            humidity=known.humidity,
+        )
+        assert tracemalloc.get_traced_memory()[1] < 100e6  # every code: 750 x 65,536 numbers of 8 bytes
+    finally:
+        tracemalloc.stop()
 
 
 @pytest.mark.slow

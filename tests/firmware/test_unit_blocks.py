@@ -242,6 +242,26 @@ def test_the_command_writes_one_block(tmp_path: Path, fleet: tuple[Path, dict[st
     assert "--per-unit" in narrow
 
 
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (("--units", "models", "--sensor", "SHT31", "--echo-lsb-us", "4"), "--echo-lsb-us, --sensor would"),
+        (("--units", "models", "--force"), "--force would do nothing"),
+        (("--units", "models", "--unit-number", "3"), "--unit-number 3 does nothing without --unit-data"),
+        (("--unit-data", "models/unit_00012.json", "--target", "c99"), "--target would do nothing"),
+    ],
+)
+def test_options_of_a_function_are_refused_with_blocks(
+    words: tuple[str, ...],
+    told: str,
+    fleet: tuple[Path, dict[str, Model]],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.chdir(fleet[0].parent)
+    assert told in " ".join(run("firmware", *words, "-o", "blocks", exit_code=2).split())
+    assert not Path("blocks").exists()
+
+
 def test_the_command_writes_the_files_that_it_records(tmp_path: Path) -> None:
     model = tmp_path / "MODEL.json"
     MODEL.save(model)

@@ -228,8 +228,16 @@ impl Axis {
                 format!("{} holds {minimum} .. {maximum}", ty.c_name())
             });
             let held = held.collect::<Vec<_>>().join(", ");
+            let way_out = if shift > 0 && first < 0.0 {
+                format!(
+                    "codes below 0 drop no bits: give a shift of 0 instead of {shift}, a range without codes below 0, or \
+                     add a constant to the codes and give the value of code 0 that they then have"
+                )
+            } else {
+                "use a coarser LSB, or another value of code 0".into()
+            };
             Error::Codes(format!(
-                "{what} needs codes {first} .. {last}, and {held}: use a coarser LSB, or another value of code 0"
+                "{what} needs codes {first} .. {last}, and {held}: {way_out}"
             ))
         })?;
         // Whole steps: all codes of one are accepted, or none.

@@ -15,6 +15,7 @@ def _temperature_codes(
 ) -> TemperatureCodes:
     """Return the codes of the thermometer: of a known sensor or a DS18B20, but for what is given."""
     usual = TemperatureCodes() if sensor is None else sensor.temperature
+    _refuse_mixed("temperature", usual, lsb, zero, shift)
     found = replace(usual, **_given(lsb, zero, shift))
     if codes is not None:
         low, high = _range("--temperature-range", codes, "-20:60")
@@ -54,11 +55,33 @@ def humidity_codes(
         option = "--humidity-range" if codes is not None else f"--humidity-{min(given)}"
         message = f"{option} needs --humidity-lsb, the step of one humidity code"
         raise UsageError(message)
-    found = replace(usual or HumidityCodes(), **given)
+    usual = usual or HumidityCodes()
+    _refuse_mixed("humidity", usual, lsb, zero, shift)
+    found = replace(usual, **given)
     if codes is not None:
         low, high = _range("--humidity-range", codes, "0:1")
         found = replace(found, low=low, high=high)
     return found
+
+
+def _refuse_mixed(
+    name: str,
+    usual: TemperatureCodes | HumidityCodes,
+    lsb: float | None,
+    zero: float | None,
+    shift: int | None,
+) -> None:
+    """Raise `UsageError` if the step of a sensor's codes is replaced, and their zero or shift is kept."""
+    if lsb is None or lsb == usual.lsb:
+        return
+    kept = {"zero": usual.zero if zero is None else 0, "shift": usual.shift if shift is None else 0}
+    if own := {f"--{name}-{what}": value for what, value in kept.items() if value}:
+        told = " and ".join(f"{flag} {value:g}" for flag, value in own.items())
+        message = (
+            f"--{name}-lsb {lsb:g} replaces the sensor's step {usual.lsb:g}, and {told} of the sensor would "
+            f"stay: give {' and '.join(own)}, too, or leave out --{name}-lsb or --sensor"
+        )
+        raise UsageError(message)
 
 
 def _given(lsb: float | None, zero: float | None, shift: int | None) -> dict[str, float]:

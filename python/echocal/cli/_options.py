@@ -5,7 +5,7 @@ import json
 import sys
 import tempfile
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from contextvars import ContextVar
 from pathlib import Path
 from typing import Annotated, Any, TypeAlias
@@ -13,10 +13,10 @@ from typing import Annotated, Any, TypeAlias
 import typer
 
 from echocal.errors import UsageError
-from echocal.keywords import command_line
+from echocal.keywords import command_line, keyword
 
 __all__ = ["KNOWN", "Options", "added", "file_in_use", "from_stdin", "is_stdin", "options_text"]
-__all__ += ["refuse_useless", "stated", "toml_value", "written_by_us"]
+__all__ += ["refuse_others", "refuse_useless", "stated", "toml_value", "written_by_us"]
 
 _FIRST = "# how to read"
 
@@ -58,13 +58,34 @@ Options: TypeAlias = Annotated[
 ]
 
 
-_NEEDS = {"reference_join": "reference", "plot_format": "plots"}
+_NEEDS = {"reference_join": "reference", "plot_format": "plots", "unit_number": "unit_data"}
 """Options that do nothing without another one."""
 
 
 def stated(name: str) -> bool:
     """Whether the user gives an option of the running command: as a flag, or in the file of options."""
     return name in _stated.get()
+
+
+def refuse_others(used: Iterable[str], but: str) -> None:
+    """Refuse options that the user gives and that the running command does not use this time.
+
+    Parameters
+    ----------
+    used : iterable of str
+        Names of the parameters that it uses.
+    but : str
+        What it does instead, and the way out.
+
+    Raises
+    ------
+    UsageError
+        With each of them.
+    """
+    useless = sorted(map(keyword, _stated.get() - {*used}))
+    if useless:
+        message = f"{', '.join(useless)} would do nothing: {but}"
+        raise UsageError(message)
 
 
 def refuse_useless(context: typer.Context) -> None:

@@ -9,6 +9,7 @@ from typing import Any
 from rich.markup import escape
 
 from echocal.cli._console import Console
+from echocal.cli._options import refuse_others
 from echocal.cli._outputs import Output, check_outputs, pass_on
 from echocal.cli._progress import counted_bar
 from echocal.errors import DataError, UsageError
@@ -20,6 +21,7 @@ from echocal.per_unit.box import PARAMETERS
 
 __all__ = ["Blocks", "run"]
 
+_USED = {"out", "model", "per_unit", "unit_data", "unit_number", "units", "force", "json", "quiet"}
 _FEW = 3  # refusals that are told; the table has all
 _SCHEMA = "echocal.unit_data/1"
 
@@ -52,9 +54,11 @@ def run(asked: Blocks, out: Path, report: str | None, console: Console, *, force
     if asked.unit is not None and asked.units is not None:
         message = "--unit-data writes one block, --units a folder of them: give one of both"
         raise UsageError(message)
-    if asked.units is not None and asked.number is not None:
-        message = "--unit-number is of one unit; with --units the names of the files end in the numbers"
-        raise UsageError(message)
+    refuse_others(
+        _USED if asked.units is None else _USED - {"force"},
+        "--unit-data and --units write blocks, and no function. Leave these options out, or give them in a "
+        "run without --unit-data and --units",
+    )
     model = None if asked.model is None else Model.load(asked.model)
     if asked.unit is not None:
         found = _one(asked, asked.unit, model, out, console, force=force)

@@ -173,15 +173,18 @@ def _echoes(made: Firmware) -> Echoes:
     """Return the echo codes of a function, and the slopes over all its conditions, from its own outputs."""
     device = made.report["device"]
     first, last = device["echo"]["codes"]["minimum"], device["echo"]["codes"]["maximum"]
-    spans = [
-        np.arange(axis["codes"]["minimum"], axis["codes"]["maximum"] + 1) for axis in device["conditions"]
-    ]
+    spans = [_steps(axis) for axis in device["conditions"]]
     conditions = [codes.ravel() for codes in np.meshgrid(*spans, indexing="ij")]
     near, far = (made.outputs(code, *conditions) for code in (first, last))
     chord = (far.astype(float) - near) / (last - first)
     # The function lies within its bound of the model, whose distance is a straight line in the echo code.
     off = 2e6 * made.report["error_overall_m"] / (last - first)
     return Echoes(device["echo"]["lsb"] * 1e6, last, (float(chord.min()) - off, float(chord.max()) + off))
+
+
+def _steps(axis: Mapping[str, Any]) -> NDArray[np.int64]:
+    """Return the first code of each step; all codes of a step give the same output."""
+    return np.arange(axis["codes"]["minimum"], axis["codes"]["maximum"] + 1, 1 << axis.get("shift", 0))
 
 
 def _lag(made: Firmware, box: Box, model: Model) -> float:
