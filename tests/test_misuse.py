@@ -206,12 +206,12 @@ REQUESTS: dict[str, tuple[Callable[[], Any], type[Exception], str]] = {
     "codes in words": (
         lambda: echocal.firmware.generate(Model("linear"), temperature="fine"),  # type: ignore[arg-type]
         UsageError,
-        r"temperature is 'fine'; give TemperatureCodes\(lsb, low, high, zero, shift\), or the numbers as a tuple",
+        r"temperature is 'fine'; give TemperatureCodes\(lsb, low, high, zero, shift\), or the numbers",
     ),
     "too many numbers of an echo": (
         lambda: echocal.firmware.generate(Model("linear"), echo=(1, 2, 3, 16, 5)),
         UsageError,
-        r"echo is \(1, 2, 3, 16, 5\); give EchoCodes\(lsb, longest, shortest, bits\), or the numbers as a tuple",
+        r"echo is \(1, 2, 3, 16, 5\); give EchoCodes\(lsb, longest, shortest, bits\), or the numbers",
     ),
     "assumptions as a list": (
         lambda: echocal.firmware.generate(Model("linear"), assume=["pressure"]),  # type: ignore[arg-type]

@@ -64,7 +64,6 @@ _BME = "Bosch, BME280 datasheet BST-BME280-DS002, tables 2 to 4: absolute accura
 _DHT = "Aosong, AM2302/DHT22 product manual: accuracy"
 _DHT11 = "Aosong, DHT11 product manual: accuracy"
 _DS = "Maxim, DS18B20 datasheet (19-7487, revision 6): thermometer error"
-_DS_RANGES = (-10.0, 85.0, 0.5), (-30.0, 100.0, 1.0), (-55.0, 125.0, 2.0)
 _LM35 = "Texas Instruments, LM35 (SNIS159): limits over the rated range"
 _TMP36 = "Analog Devices, TMP35/36/37, grade G: maximum over the rated range"
 
