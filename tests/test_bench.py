@@ -214,6 +214,21 @@ def test_a_pipe_is_asked_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     assert (tmp_path / "ruler.csv").read_text() == "mine\n"
 
 
+def test_the_table_of_an_earlier_experiment_is_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    words = ["--names", "echo_us", "--at", "temperature=21"]
+    piped(words, "2.0\n11990\n11987\n11991\n\n")
+    earlier = Path("ruler.csv").read_text()
+    assert "11990" in earlier
+    code, said = piped(words, "1.0\n5800\n5801\n5803\n\n")
+    assert code == 2
+    assert "ruler.csv exists" in said
+    assert "--force" in said
+    assert Path("ruler.csv").read_text() == earlier
+    piped([*words, "--force"], "1.0\n5800\n5801\n5803\n\n")
+    assert "5800" in Path("ruler.csv").read_text()
+
+
 @pytest.mark.parametrize("span", ["3", "3:0.3", "0:3", "a:b", "0.3:300"])
 def test_a_span_is_two_distances(span: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)

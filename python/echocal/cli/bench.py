@@ -16,7 +16,6 @@ from echocal.bench.lines import Port, block
 from echocal.bench.places import Span, decides_nothing_more, next_place, places_of
 from echocal.bench.readings import Placement, Ruler
 from echocal.cli._console import Console
-from echocal.cli._options import written_by_us
 from echocal.cli._outputs import Force, Output, check_outputs
 from echocal.cli._tables import AS_IT_IS, Given, reading_options, reading_words
 from echocal.cli.diagnose import Base, base_of
@@ -73,7 +72,7 @@ def command(
     if out.suffix.lower() != ".csv":
         message = f"--out {out} must end in .csv"
         raise UsageError(message)
-    check_outputs(Output("--out", out, written_by_us), inputs=[*reading.files], force=force)
+    check_outputs(Output("--out", out, _measured), inputs=[*reading.files], force=force)
     with ExitStack() as at_end:
         source = None if port is None else Port(port, baud)
         if source is not None:
@@ -233,6 +232,12 @@ class _Walk:
         short = brief(self.diagnosis)
         word = "good enough" if self.diagnosis.good_enough else self.diagnosis.verdict
         self.say(f"  so far {word}: {short.wrong}\n  {short.size} {short.sure}")
+
+
+def _measured(file: Path) -> bool:
+    """No existing table may be replaced unasked: the rows of an earlier experiment are measured data."""
+    del file
+    return False
 
 
 def _span(text: str) -> Span:
