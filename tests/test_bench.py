@@ -229,6 +229,36 @@ def test_the_table_of_an_earlier_experiment_is_kept(tmp_path: Path, monkeypatch:
     assert "5800" in Path("ruler.csv").read_text()
 
 
+@pytest.mark.parametrize(
+    ("names", "silent"), [("echo_us", "0"), ("echo_us", "-1"), ("echo_us,status", "0,7")]
+)
+def test_a_first_placement_without_an_echo_is_rows(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, names: str, silent: str
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    rest = silent.partition(",")[1:]
+    text = f"2.0\n{3 * (silent + chr(10))}\n"
+    for place in (2.0, 0.5, 1.0):
+        text += f"{place}\n" + "".join(f"{5825 * place + n:.0f}{''.join(rest)}\n" for n in range(4)) + "\n"
+    code, said = piped(["--names", names, "--at", "temperature=21"], text)
+    assert code == 0, said
+    assert "at 2 m 0 of 3 lines have an echo" in said
+    assert "measure this place again" in said
+    table = pd.read_csv("ruler.csv", comment="#")
+    assert table["distance_m"].tolist() == 3 * [2.0] + 4 * [2.0] + 4 * [0.5] + 4 * [1.0]
+    assert table["stand"].tolist() == 3 * [1] + 4 * [2] + 4 * [3] + 4 * [4]
+    assert table["echo_us"].tolist()[:3] == 3 * [int(silent.split(",")[0])]
+
+
+def test_a_placement_that_cannot_be_used_for_another_reason_is_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    code, said = piped(["--names", "echo_us,temperature_C"], "2.0\n" + 3 * "11990,\n" + "\n")
+    assert code == 3
+    assert "temperature_C" in said
+
+
 @pytest.mark.parametrize("span", ["3", "3:0.3", "0:3", "a:b", "0.3:300"])
 def test_a_span_is_two_distances(span: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
