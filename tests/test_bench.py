@@ -259,6 +259,20 @@ def test_a_placement_that_cannot_be_used_for_another_reason_is_refused(
     assert "temperature_C" in said
 
 
+@pytest.mark.parametrize("locale", ["C", "C.UTF-8"])
+def test_a_byte_that_is_no_text_is_in_its_row_alone(tmp_path: Path, locale: str) -> None:
+    near = b"".join(b"%d\n" % (3070 + n % 4) for n in range(24))
+    text = b"0.5\n" + near + b"\xff3071\n\n"
+    words = [sys.executable, "-m", "echocal", "bench", "--names", "echo_us", "--at", "temperature=21"]
+    shell = {**os.environ, "LC_ALL": locale}
+    done = subprocess.run(words, input=text, cwd=tmp_path, env=shell, capture_output=True, check=False)
+    assert b"at 0.5 m 24 of 25 lines have an echo" in done.stderr, done.stderr
+    assert b"Traceback" not in done.stderr
+    rows = (tmp_path / "ruler.csv").read_text("utf-8").splitlines()
+    assert rows[-1] == "0.5,1,\N{REPLACEMENT CHARACTER}3071"
+    assert len(rows) == 2 + 25
+
+
 @pytest.mark.parametrize("span", ["3", "3:0.3", "0:3", "a:b", "0.3:300"])
 def test_a_span_is_two_distances(span: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)

@@ -1,5 +1,6 @@
 """``echocal bench``: a ruler experiment, placement by placement."""
 
+import io
 import math
 import shlex
 import sys
@@ -109,6 +110,8 @@ class _Walk:
         self.console = Console(stderr=True, highlight=False)
         self.typed = self.port is None
         self.person = sys.stdin.isatty() or not self.typed
+        if isinstance(sys.stdin, io.TextIOWrapper):
+            sys.stdin.reconfigure(errors="replace")  # as the lines of a port
 
     def say(self, text: str) -> None:
         """Say something beside the result."""
