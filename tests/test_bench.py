@@ -273,6 +273,21 @@ def test_a_byte_that_is_no_text_is_in_its_row_alone(tmp_path: Path, locale: str)
     assert len(rows) == 2 + 25
 
 
+def test_a_line_that_the_end_of_the_input_cuts_is_told(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    words = ["--names", "echo_us", "--at", "temperature=21"]
+    piped(words, "2.0\n11990\n11987\n11991\n\n0.5\n3071\n3069\n307")
+    assert pd.read_csv("ruler.csv", comment="#")["echo_us"].tolist() == [11990, 11987, 11991, 3071, 3069]
+    whole = subprocess.run(
+        [sys.executable, "-m", "echocal", "bench", *words, "--force"],
+        input="0.5\n3071\n3069\n3070\n307", capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert "the input ends within the line '307': it is left out" in whole.stderr
+    assert "at 0.5 m 3 of 3 lines have an echo" in whole.stderr
+
+
 @pytest.mark.parametrize("span", ["3", "3:0.3", "0:3", "a:b", "0.3:300"])
 def test_a_span_is_two_distances(span: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)

@@ -154,13 +154,16 @@ class _Walk:
         if self.port is None:
             if self.person:
                 self.say(f"  type or paste {self.readings} lines of readings or more, then an empty line:")
-            return block(sys.stdin.readline)
+            return block(sys.stdin.readline, self._cut)
         lines = self.port.take(self.readings)
         while (missing := self.readings - self._placement(lines).usable) > 0:
             if len(lines) >= _TRIES * self.readings:
                 break
             lines += self.port.more(missing)
         return lines
+
+    def _cut(self, line: str) -> None:
+        self.say(f"  the input ends within the line {line!r}: it is left out; end each line with a line feed")
 
     def _placement(self, lines: list[str]) -> Placement:
         self._meet(lines)
