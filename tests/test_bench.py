@@ -288,6 +288,16 @@ def test_a_line_that_the_end_of_the_input_cuts_is_told(
     assert "at 0.5 m 3 of 3 lines have an echo" in whole.stderr
 
 
+def test_the_printed_example_of_a_pipe_ends_in_a_diagnosis(tmp_path: Path) -> None:
+    page = (Path(__file__).parents[1] / "docs" / "bench.md").read_text()
+    example = next(block for block in re.findall(r"```\w+\n(.*?)```", page, re.DOTALL) if "printf" in block)
+    bin_first = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
+    shell = {**os.environ, "PATH": bin_first}
+    done = subprocess.run(["bash", "-c", example], cwd=tmp_path, env=shell, capture_output=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert b"9 of 9 rows are used" in done.stdout
+
+
 @pytest.mark.parametrize("span", ["3", "3:0.3", "0:3", "a:b", "0.3:300"])
 def test_a_span_is_two_distances(span: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
