@@ -84,6 +84,15 @@ def test_a_piece_that_is_missing_or_impossible_is_a_row_without_time() -> None:
     assert np.flatnonzero(~read.usable).tolist() == [3, 5]
 
 
+def test_hours_and_minutes_that_no_clock_shows_are_a_row_without_time() -> None:
+    """1375 is not 14:15, and 2561 is not the next day."""
+    table = pd.DataFrame({**pieces({name: name for name in ("year", "doy")}), "HHMM": HHMM})
+    table.loc[4, "HHMM"], table.loc[9, "HHMM"] = 1375, 2561
+    with pytest.warns(echocal.DataWarning, match="2 of 40 rows cannot be used: 2 time missing"):
+        read = echocal.read_observations(table, reading_speed=343)
+    assert np.flatnonzero(~read.usable).tolist() == [4, 9]
+
+
 @pytest.mark.parametrize("change", [{"month": 40}, {"year": 7}])
 def test_columns_of_these_names_that_hold_something_else_stay(change: dict[str, int]) -> None:
     table = {

@@ -95,16 +95,16 @@ def _columns(table: pd.DataFrame) -> dict[str, str]:
 
 
 def _in_hours(values: dict[str, NDArray[np.float64]], used: dict[str, str]) -> dict[str, NDArray[np.float64]]:
-    """The values, with hours in place of hours and minutes as one number."""
+    """The values, with hours in place of hours and minutes as one number; NaN where no clock shows it."""
     if "hour" not in values or "minute" in values:
         return values
     own = values["hour"]
-    known = own[np.isfinite(own)]
+    known = np.isfinite(own)
     named = _plain(used["hour"]) in _HHMM
-    clock = (known == np.floor(known)) & (known >= 0) & (known <= _LAST) & (known % 100 < _MINUTES)
-    if not len(known) or clock.mean() < _SOUND or not (named or known.max() > _HOURS):
+    clock = (own == np.floor(own)) & (own >= 0) & (own <= _LAST) & (own % 100 < _MINUTES)
+    if not known.any() or clock[known].mean() < _SOUND or not (named or own[known].max() > _HOURS):
         return values
-    return {**values, "hour": own // 100 + own % 100 / _MINUTES}
+    return {**values, "hour": np.where(clock, own // 100 + own % 100 / _MINUTES, np.nan)}
 
 
 def _clock(columns: dict[str, str]) -> list[str]:
