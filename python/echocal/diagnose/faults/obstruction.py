@@ -67,11 +67,11 @@ def detect(view: View, own: Thresholds, settings: FaultSettings) -> Found | None
     constant = thing - found.as_echoes + found.as_constant + np.log(settings.constant.among * FACTS.prior)
     off = np.isin(beyond, found.rows)
     reference = np.zeros(len(beyond)) if view.reference is None else view.reference[beyond]
-    noted = np.log(settings.outliers.odd) + _own_lengths(view, beyond, off, reference, settings)
     visits = np.cumsum((np.diff(reference, prepend=np.nan) != 0) | np.diff(off, prepend=off[0]))
-    moved = np.log(settings.outliers.odd) + _own_lengths(view, beyond, off, visits, settings)
-    if np.isin(reference[off], reference[~off]).any():  # a place that is right in other rows
-        noted = -np.inf
+    whole = not np.isin(reference[off], reference[~off]).any()  # no place is right in other rows
+    groups = (reference, visits) if whole else (visits,)
+    each = [_own_lengths(view, beyond, off, group, settings) for group in groups]
+    wrong = float(np.logaddexp.reduce(each)) + np.log(settings.outliers.odd)
     early = place - _OWN * max(spread, view.scatter)
     rows = short & (early <= view.indication) & (view.indication <= place + _LATE)
     rows[found.rows] = True
@@ -79,11 +79,13 @@ def detect(view: View, own: Thresholds, settings: FaultSettings) -> Found | None
         f"{listed(rows)} read about {place:.3f} m, where {found.expected.min():.3f} to "
         f"{found.expected.max():.3f} m are expected: something stands there in the beam; left out"
     )
-    evidence = float(np.logaddexp(thing, noted) - np.logaddexp.reduce([found.as_wild, constant, moved]))
+    alike, rivals = [thing], [found.as_wild, constant]
+    (alike if whole else rivals).append(wrong)
+    evidence = float(np.logaddexp.reduce(alike) - np.logaddexp.reduce(rivals))
     sizes = ((place, spread / count**0.5), int(rows.sum()))
-    rules = (far_rule(view, FACTS.id, -1, settings),)
-    rivals = (*_SAME_THING, *(("reference_error",) if noted > thing - own.sure else ()))
-    return Found(rows, evidence, because, sizes, rules=rules, rivals=rivals)
+    rules = (far_rule(view.after(view.without(rows, FACTS.id)), FACTS.id, -1, settings),)
+    noted = ("reference_error",) if whole and wrong > thing - own.sure else ()
+    return Found(rows, evidence, because, sizes, rules=rules, rivals=(*_SAME_THING, *noted))
 
 
 def _own_lengths(
