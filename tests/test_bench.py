@@ -214,6 +214,90 @@ def test_a_pipe_is_asked_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     assert (tmp_path / "ruler.csv").read_text() == "mine\n"
 
 
+def test_the_table_of_an_earlier_experiment_is_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    words = ["--names", "echo_us", "--at", "temperature=21"]
+    piped(words, "2.0\n11990\n11987\n11991\n\n")
+    earlier = Path("ruler.csv").read_text()
+    assert "11990" in earlier
+    code, said = piped(words, "1.0\n5800\n5801\n5803\n\n")
+    assert code == 2
+    assert "ruler.csv exists" in said
+    assert "--force" in said
+    assert Path("ruler.csv").read_text() == earlier
+    piped([*words, "--force"], "1.0\n5800\n5801\n5803\n\n")
+    assert "5800" in Path("ruler.csv").read_text()
+
+
+@pytest.mark.parametrize(
+    ("names", "silent"), [("echo_us", "0"), ("echo_us", "-1"), ("echo_us,status", "0,7")]
+)
+def test_a_first_placement_without_an_echo_is_rows(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, names: str, silent: str
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    rest = silent.partition(",")[1:]
+    text = f"2.0\n{3 * (silent + chr(10))}\n"
+    for place in (2.0, 0.5, 1.0):
+        text += f"{place}\n" + "".join(f"{5825 * place + n:.0f}{''.join(rest)}\n" for n in range(4)) + "\n"
+    code, said = piped(["--names", names, "--at", "temperature=21"], text)
+    assert code == 0, said
+    assert "at 2 m 0 of 3 lines have an echo" in said
+    assert "measure this place again" in said
+    table = pd.read_csv("ruler.csv", comment="#")
+    assert table["distance_m"].tolist() == 3 * [2.0] + 4 * [2.0] + 4 * [0.5] + 4 * [1.0]
+    assert table["stand"].tolist() == 3 * [1] + 4 * [2] + 4 * [3] + 4 * [4]
+    assert table["echo_us"].tolist()[:3] == 3 * [int(silent.split(",")[0])]
+
+
+def test_a_placement_that_cannot_be_used_for_another_reason_is_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    code, said = piped(["--names", "echo_us,temperature_C"], "2.0\n" + 3 * "11990,\n" + "\n")
+    assert code == 3
+    assert "temperature_C" in said
+
+
+@pytest.mark.parametrize("locale", ["C", "C.UTF-8"])
+def test_a_byte_that_is_no_text_is_in_its_row_alone(tmp_path: Path, locale: str) -> None:
+    near = b"".join(b"%d\n" % (3070 + n % 4) for n in range(24))
+    text = b"0.5\n" + near + b"\xff3071\n\n"
+    words = [sys.executable, "-m", "echocal", "bench", "--names", "echo_us", "--at", "temperature=21"]
+    shell = {**os.environ, "LC_ALL": locale}
+    done = subprocess.run(words, input=text, cwd=tmp_path, env=shell, capture_output=True, check=False)
+    assert b"at 0.5 m 24 of 25 lines have an echo" in done.stderr, done.stderr
+    assert b"Traceback" not in done.stderr
+    rows = (tmp_path / "ruler.csv").read_text("utf-8").splitlines()
+    assert rows[-1] == "0.5,1,\N{REPLACEMENT CHARACTER}3071"
+    assert len(rows) == 2 + 25
+
+
+def test_a_line_that_the_end_of_the_input_cuts_is_told(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    words = ["--names", "echo_us", "--at", "temperature=21"]
+    piped(words, "2.0\n11990\n11987\n11991\n\n0.5\n3071\n3069\n307")
+    assert pd.read_csv("ruler.csv", comment="#")["echo_us"].tolist() == [11990, 11987, 11991, 3071, 3069]
+    whole = subprocess.run(
+        [sys.executable, "-m", "echocal", "bench", *words, "--force"],
+        input="0.5\n3071\n3069\n3070\n307", capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert "the input ends within the line '307': it is left out" in whole.stderr
+    assert "at 0.5 m 3 of 3 lines have an echo" in whole.stderr
+
+
+def test_the_printed_example_of_a_pipe_ends_in_a_diagnosis(tmp_path: Path) -> None:
+    page = (Path(__file__).parents[1] / "docs" / "bench.md").read_text()
+    example = next(block for block in re.findall(r"```\w+\n(.*?)```", page, re.DOTALL) if "printf" in block)
+    bin_first = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
+    shell = {**os.environ, "PATH": bin_first}
+    done = subprocess.run(["bash", "-c", example], cwd=tmp_path, env=shell, capture_output=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert b"9 of 9 rows are used" in done.stdout
+
+
 @pytest.mark.parametrize("span", ["3", "3:0.3", "0:3", "a:b", "0.3:300"])
 def test_a_span_is_two_distances(span: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)

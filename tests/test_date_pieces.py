@@ -84,6 +84,46 @@ def test_a_piece_that_is_missing_or_impossible_is_a_row_without_time() -> None:
     assert np.flatnonzero(~read.usable).tolist() == [3, 5]
 
 
+def test_hours_and_minutes_that_no_clock_shows_are_a_row_without_time() -> None:
+    """1375 is not 14:15, and 2561 is not the next day."""
+    table = pd.DataFrame({**pieces({name: name for name in ("year", "doy")}), "HHMM": HHMM})
+    table.loc[4, "HHMM"], table.loc[9, "HHMM"] = 1375, 2561
+    with pytest.warns(echocal.DataWarning, match="2 of 40 rows cannot be used: 2 time missing"):
+        read = echocal.read_observations(table, reading_speed=343)
+    assert np.flatnonzero(~read.usable).tolist() == [4, 9]
+
+
+@pytest.mark.parametrize("kind", ["csv", "table"])
+def test_hours_and_minutes_are_joined_to_their_date(tmp_path: Path, kind: str) -> None:
+    table: Any = pd.DataFrame({"date": TIMES.strftime("%Y-%m-%d"), "HHMM": HHMM, **pieces({})})
+    table.loc[4, "HHMM"] = 1375
+    table.loc[7, "date"] = None
+    if kind == "csv":
+        table.to_csv(tmp_path / "log.csv", index=False)
+        table = tmp_path / "log.csv"
+    with pytest.warns(echocal.DataWarning, match="2 of 40 rows cannot be used: 2 time missing"):
+        read = echocal.read_observations(table, reading_speed=343)
+    assert read.time is not None
+    expected = TIMES.floor("min").to_numpy().astype("datetime64[ns]")
+    assert (np.delete(read.time, [4, 7]) == np.delete(expected, [4, 7])).all()
+    assert not read.extra
+
+
+@pytest.mark.parametrize("form", ["%d %B %Y", "%Y-%m-%d %H:%M"])
+def test_a_date_that_has_a_time_or_is_in_words_is_not_joined(form: str) -> None:
+    table = {"date": TIMES.strftime(form), "HHMM": HHMM, **pieces({})}
+    read = echocal.read_observations(table, reading_speed=343)
+    assert "HHMM" in read.extra
+
+
+def test_a_time_of_numbers_beside_a_date_tells_both_ways_out() -> None:
+    table = {"date": TIMES.strftime("%Y-%m-%d"), "time": HHMM, **pieces({})}
+    with pytest.raises(
+        echocal.DataError, match=r"rename it to its unit: time_s, .*1345, beside a date: HHMM"
+    ):
+        echocal.read_observations(table, reading_speed=343)
+
+
 @pytest.mark.parametrize("change", [{"month": 40}, {"year": 7}])
 def test_columns_of_these_names_that_hold_something_else_stay(change: dict[str, int]) -> None:
     table = {

@@ -120,3 +120,25 @@ def test_a_second_ranger_is_told_with_the_guess(tmp_path: Path) -> None:
     told = str(CliRunner().invoke(app, [str(tmp_path / "robot.csv"), "-o", str(tmp_path)]).exception)
     assert "'sonar_left' as reading_cm" in told
     assert "and so 'sonar_right': for both, echocal diagnose LOG --by sonar_left,sonar_right" in told
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        ([], "each is corrected by its own model: give their folder, --models DIR"),
+        (["--models", "models"], "models has no model of column 'rigth'; did you mean 'right'?"),
+        (["--models", "absent"], "absent is no folder of models"),
+    ],
+)
+def test_rangers_without_a_model_are_told(
+    words: list[str], told: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("models").mkdir()
+    for name in ("left", "right"):
+        FAST.save(f"models/{name}.json")
+    two().rename(columns={"left (cm)": "left", "right (mm)": "right"}).to_csv("robot.csv", index=False)
+    done = CliRunner().invoke(app, ["correct", "robot.csv", "-o", "new", "--by", "left,rigth", *words])
+    assert done.exit_code != 0
+    assert told in str(done.exception)
+    assert not Path("new").exists()

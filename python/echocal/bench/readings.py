@@ -131,15 +131,18 @@ class Ruler:
         found = self.looked_at(lines)
         if found is None:
             return Placement(pd.DataFrame(index=range(len(lines))), len(lines), 0)
-        if found.usable is None:
-            raise DataError(found.refusal)
+        usable = found.usable
+        if usable is None:
+            if not _is_silent(found):
+                raise DataError(found.refusal)
+            usable = 0
         names = {column.name: _name(column) for column in found.columns}
         for name, codes in found.missing.items():
             own = self.codes.setdefault(names.get(name, name), [])
             own += [code for code in codes if code not in own]
         ignored = [name for name, request in names.items() if request == IGNORE]
         rows = found.table.drop(columns=ignored).rename(columns=names)
-        return Placement(rows, len(lines), found.usable)
+        return Placement(rows, len(lines), usable)
 
     def add(self, placement: Placement, distance: float) -> None:
         """Add the rows of a placement, with the distance that the ruler gives [m]."""
@@ -158,6 +161,13 @@ def _tells_distance(column: ColumnFacts) -> bool:
     """Whether a device calls its reading a distance: the ruler gives the reference."""
     request, guess = column.proposal.request, column.proposal.guess
     return request.startswith(_REFERENCE) or (guess and request.startswith(_READING) and bool(column.unit))
+
+
+def _is_silent(found: Inspection) -> bool:
+    """Whether no line has an echo: a device without one tells 0, a negative number, or nothing."""
+    echoes = [c.name for c in found.columns if c.proposal.quantity in ("echo_time", "reading")]
+    numbers = found.table[echoes].apply(pd.to_numeric, errors="coerce")
+    return bool(echoes) and not bool((numbers > 0).to_numpy().any())
 
 
 def _name(column: ColumnFacts) -> str:

@@ -1,5 +1,6 @@
 """``echocal bench``: a ruler experiment, placement by placement."""
 
+import io
 import math
 import shlex
 import sys
@@ -16,7 +17,6 @@ from echocal.bench.lines import Port, block
 from echocal.bench.places import Span, decides_nothing_more, next_place, places_of
 from echocal.bench.readings import Placement, Ruler
 from echocal.cli._console import Console
-from echocal.cli._options import written_by_us
 from echocal.cli._outputs import Force, Output, check_outputs
 from echocal.cli._tables import AS_IT_IS, Given, reading_options, reading_words
 from echocal.cli.diagnose import Base, base_of
@@ -73,7 +73,7 @@ def command(
     if out.suffix.lower() != ".csv":
         message = f"--out {out} must end in .csv"
         raise UsageError(message)
-    check_outputs(Output("--out", out, written_by_us), inputs=[*reading.files], force=force)
+    check_outputs(Output("--out", out, _measured), inputs=[*reading.files], force=force)
     with ExitStack() as at_end:
         source = None if port is None else Port(port, baud)
         if source is not None:
@@ -110,6 +110,8 @@ class _Walk:
         self.console = Console(stderr=True, highlight=False)
         self.typed = self.port is None
         self.person = sys.stdin.isatty() or not self.typed
+        if isinstance(sys.stdin, io.TextIOWrapper):
+            sys.stdin.reconfigure(errors="replace")  # as the lines of a port
 
     def say(self, text: str) -> None:
         """Say something beside the result."""
@@ -152,13 +154,16 @@ class _Walk:
         if self.port is None:
             if self.person:
                 self.say(f"  type or paste {self.readings} lines of readings or more, then an empty line:")
-            return block(sys.stdin.readline)
+            return block(sys.stdin.readline, self._cut)
         lines = self.port.take(self.readings)
         while (missing := self.readings - self._placement(lines).usable) > 0:
             if len(lines) >= _TRIES * self.readings:
                 break
             lines += self.port.more(missing)
         return lines
+
+    def _cut(self, line: str) -> None:
+        self.say(f"  the input ends within the line {line!r}: it is left out; end each line with a line feed")
 
     def _placement(self, lines: list[str]) -> Placement:
         self._meet(lines)
@@ -233,6 +238,12 @@ class _Walk:
         short = brief(self.diagnosis)
         word = "good enough" if self.diagnosis.good_enough else self.diagnosis.verdict
         self.say(f"  so far {word}: {short.wrong}\n  {short.size} {short.sure}")
+
+
+def _measured(file: Path) -> bool:
+    """No existing table may be replaced unasked: the rows of an earlier experiment are measured data."""
+    del file
+    return False
 
 
 def _span(text: str) -> Span:

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from echocal.correct.inputs import ENDINGS, find_inputs
-from echocal.errors import UsageError
+from echocal.errors import UsageError, among
 from echocal.keywords import keyword
 from echocal.model import Model
 from echocal.model.folder import ModelFolder, file_name
@@ -21,17 +21,33 @@ __all__ = ["correct_rangers", "ranger_file", "rangers_of"]
 def rangers_of(by: str | None, models: str | Path | None) -> dict[str, Model]:
     """Model of each ranger that `by` names, as ``"left_cm,right_cm"``; none where it names one column.
 
+    Raises
+    ------
+    UsageError
+        If one of several rangers has no model, or there is no folder of models.
+
     Examples
     --------
     >>> rangers_of("sensor_id", "models")
     {}
     """
     names = [name.strip() for name in (by or "").split(",")]
-    if models is None or len(names) < 2 or not Path(models).is_dir():
+    if len(names) < 2:
         return {}
+    if models is None:
+        message = (
+            f"{keyword('by', by)} are rangers beside each other, and each is corrected by its own model: "
+            f"give their folder, {keyword('models', 'DIR')}"
+        )
+        raise UsageError(message)
     folder = ModelFolder(Path(models))
     found = {name: folder.model(name) for name in names}
-    return {name: model for name, model in found.items() if model is not None and all(found.values())}
+    for name, model in found.items():
+        if model is None:
+            known = [path.stem for path in sorted(Path(models).glob("*.json"))]
+            message = f"{keyword('by', by)}: {models} has no model of column '{name}'{among(name, known)}"
+            raise UsageError(message)
+    return {name: model for name, model in found.items() if model is not None}
 
 
 def correct_rangers(

@@ -70,7 +70,7 @@ def instants(
     ):
         message = (
             f"column '{column}' holds numbers, not ISO 8601 times; rename it to its unit: "
-            "time_s, time_ms, time_us, time_min or time_h"
+            "time_s, time_ms, time_us, time_min or time_h; hours and minutes as 1345, beside a date: HHMM"
         )
         raise DataError(message)
     zone = _zone(time_zone)

@@ -13,6 +13,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from echocal.observations.dates import DAY
 from echocal.observations.found import Found
 
 __all__ = ["step"]
@@ -32,6 +33,9 @@ _HHMM = frozenset(
     {"hhmm", "hh:mm", "hourmin", "hour_min", "hour_minute", "hrmin", "hrmn", "time_hhmm", "time"}
 )
 """Names of hours and minutes as one number: 1345."""
+_DATES = frozenset({"date", "datum", "fecha"})
+"""Names of a date that hours and minutes as one number may be beside."""
+_MIDNIGHT = ("00:00:00", "00:00", "0:00", "0:00:00")
 _SUFFIX = "_rtm"  # of a Campbell array: Year_RTM, Day_RTM, Hour_Minute_RTM
 _COARSER = {"second": "minute", "minute": "hour"}
 _MINUTES, _HOURS, _LAST = 60, 24, 2400
@@ -52,6 +56,8 @@ def step(table: pd.DataFrame, found: Found) -> tuple[pd.DataFrame, Found]:
     """
     if "time" in table.columns and not pd.api.types.is_numeric_dtype(table["time"]):
         return table, found
+    if beside := _beside_a_date(table):
+        return _joined(table, found, *beside)
     columns = _columns(table)
     days = {"month", "day"} if {"month", "day"} <= {*columns} else {"day_of_year"}
     if not {"year", *days} <= {*columns}:
@@ -77,6 +83,39 @@ def step(table: pd.DataFrame, found: Found) -> tuple[pd.DataFrame, Found]:
     return table.assign(time=time), replace(found, notes=notes, requests=requests)
 
 
+def _beside_a_date(table: pd.DataFrame) -> tuple[str, str] | None:
+    """Columns of a written date and of its hours and minutes; a `time` of numbers may be of another kind."""
+    days = [n for n in map(str, table) if _plain(n) in _DATES and _are_days(table[n])]
+    clocks = [n for n in map(str, table) if _plain(n) in _HHMM - {"time"}]
+    if "time" in table.columns or (len(days), len(clocks)) != (1, 1):
+        return None
+    hours = _in_hours({"hour": _numbers(table[clocks[0]])}, {"hour": clocks[0]})["hour"]
+    return (days[0], clocks[0]) if _is_piece("hour", hours, finest=True) else None
+
+
+def _are_days(values: pd.Series[Any]) -> bool:
+    """Whether these are dates without a time of day, apart from midnight."""
+    found = [DAY.fullmatch(str(own).strip()) for own in values.dropna() if str(own).strip()]
+    sound = [own is not None and (own["clock"] or "00:00:00") in _MIDNIGHT for own in found]
+    return bool(sound) and sum(sound) >= _SOUND * len(sound)
+
+
+def _joined(table: pd.DataFrame, found: Found, day: str, clock: str) -> tuple[pd.DataFrame, Found]:
+    """Text of both as times are written; none where the hours and minutes are no clock's."""
+    hours = _in_hours({"hour": _numbers(table[clock])}, {"hour": clock})["hour"]
+    minutes = np.round(_MINUTES * hours)
+    both = [
+        None
+        if np.isnan(own) or pd.isna(date) or not str(date).strip()
+        else f"{str(date).strip().split(' ')[0].split('T')[0]} {int(own) // 60:02d}:{int(own) % 60:02d}"
+        for date, own in zip(table[day], minutes, strict=True)
+    ]
+    requests = {**found.requests, day: "ignore", clock: "ignore"}
+    notes = (*found.notes, f"'{day}', '{clock}' are read together as time")
+    time = pd.Series(both, index=table.index, dtype=object)
+    return table.assign(time=time), replace(found, notes=notes, requests=requests)
+
+
 def _plain(name: object) -> str:
     return str(name).strip().lower().replace(" ", "_").removesuffix(_SUFFIX)
 
@@ -95,16 +134,16 @@ def _columns(table: pd.DataFrame) -> dict[str, str]:
 
 
 def _in_hours(values: dict[str, NDArray[np.float64]], used: dict[str, str]) -> dict[str, NDArray[np.float64]]:
-    """The values, with hours in place of hours and minutes as one number."""
+    """The values, with hours in place of hours and minutes as one number; NaN where no clock shows it."""
     if "hour" not in values or "minute" in values:
         return values
     own = values["hour"]
-    known = own[np.isfinite(own)]
+    known = np.isfinite(own)
     named = _plain(used["hour"]) in _HHMM
-    clock = (known == np.floor(known)) & (known >= 0) & (known <= _LAST) & (known % 100 < _MINUTES)
-    if not len(known) or clock.mean() < _SOUND or not (named or known.max() > _HOURS):
+    clock = (own == np.floor(own)) & (own >= 0) & (own <= _LAST) & (own % 100 < _MINUTES)
+    if not known.any() or clock[known].mean() < _SOUND or not (named or own[known].max() > _HOURS):
         return values
-    return {**values, "hour": own // 100 + own % 100 / _MINUTES}
+    return {**values, "hour": np.where(clock, own // 100 + own % 100 / _MINUTES, np.nan)}
 
 
 def _clock(columns: dict[str, str]) -> list[str]:
