@@ -178,7 +178,8 @@ def _by_values(
         numbers = None if is_time_name(name) else _numbers(table[name])
         if name in named or proposals[name].request or numbers is None or has_foreign_unit(name):
             continue
-        if LEVELS & {token.lower() for token in TOKEN.findall(name)}:
+        words = {token.lower() for token in TOKEN.findall(name)}
+        if LEVELS & words and "sensor" not in words:  # a sensor of levels measures the distance to them
             continue
         free[name] = numbers
         units[name] = symbol_of(found.units.get(name, "")) or split_unit(name)[1]
