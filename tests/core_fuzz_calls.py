@@ -178,6 +178,7 @@ def firmware_request() -> dict[str, Any]:
         "maximum_distance": 2.0,
         "maximum_table": 1024,
         "widest": 64,
+        "median": (5, 0.3),
         "threads": 1,
         "accept": [],
         "assumed": [20.0 if name == "temperature" else 0.0 for name in QUANTITIES],
@@ -273,6 +274,12 @@ CALLS: dict[str, Callable[[], Call]] = {
     "Sums.joined": of_sums("joined", sums),
     "Sums.without_infinite": of_sums("without_infinite"),
     "Firmware.files": lambda: Call(_FIRMWARE.files, [[MEASURED], STATED]),
+    "Firmware.unit_files": lambda: Call(_FIRMWARE.unit_files, ["{}"]),
+    "Firmware.filtered": lambda: Call(
+        _FIRMWARE.filtered, [guard(np.arange(ROWS, dtype="i4")), guard(np.zeros(ROWS, "u1"))]
+    ),
+    "firmware_targets": lambda: Call(_core.firmware_targets, []),
+    "output_units": lambda: Call(_core.output_units, []),
     "Firmware.ranked_by": lambda: Call(_FIRMWARE.ranked_by, []),
     "Firmware.steps": lambda: Call(_FIRMWARE.steps, []),
     "Firmware.evaluate": lambda: Call(

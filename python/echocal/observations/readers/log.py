@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -44,11 +44,12 @@ class Log:
             raise DataError("the log has no values")
         refuse_names(names, path)
         refuse_cells(len(self.records), len(names), sum(map(len, self.records)), path)
-        columns = {name: [record.get(name) for record in self.records] for name in names}
         self._give_reasons()
-        return pd.DataFrame(
-            {name: numeric(pd.Series(values, dtype=object)) for name, values in columns.items()}
-        )
+        try:
+            return _frame(self.records, names)
+        except UnicodeEncodeError:
+            self.records = [{_text(k): _text(v) for k, v in record.items()} for record in self.records]
+            return _frame(self.records, map(_text, names))
 
     def _give_reasons(self) -> None:
         """Turn the lines of rows without values into reasons, and say how many there are."""
@@ -62,6 +63,18 @@ class Log:
                     f"{len(rows)} of {len(self.records)} lines {what}, first row {min(rows) + 1}: '{line}'"
                 )
         self.corrupt = reasons
+
+
+def _frame(records: Sequence[Mapping[str, Any]], names: Iterable[str]) -> pd.DataFrame:
+    columns = {name: pd.Series([record.get(name) for record in records], dtype=object) for name in names}
+    return pd.DataFrame({name: numeric(values) for name, values in columns.items()})
+
+
+def _text(value: Any) -> Any:
+    """A value; half of a pair of surrogates, which JSON can write and is no character, becomes U+FFFD."""
+    if not isinstance(value, str):
+        return value
+    return value.encode("utf-16", "surrogatepass").decode("utf-16", "replace")
 
 
 def numeric(values: pd.Series[Any]) -> pd.Series[Any]:
