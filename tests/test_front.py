@@ -107,6 +107,16 @@ def test_nobody_at_the_terminal_is_asked_nothing(run: Run, random: np.random.Gen
     assert run("unnamed.csv", "--yes", "--constant-distance", "--at", "temperature=20+-2")[0] == 0
 
 
+def test_a_misspelled_name_is_told_with_the_question(run: Run, random: np.random.Generator) -> None:
+    log(random, "bench.csv")
+    text = Path("bench.csv").read_text()
+    for right, wrong in (("temperature_C", "temprature_C"), ("distance_m", "distnce_m")):
+        Path("typo.csv").write_text(text.replace(right, wrong, 1))
+        code, said = run("typo.csv")
+        assert code == 3
+        assert f'did you mean: --column "{wrong}={right}"' in said
+
+
 def test_a_person_is_asked_and_the_answer_is_kept(tmp_path: Path, random: np.random.Generator) -> None:
     """The options file has the answers: the commands that follow need no question."""
     os.chdir(tmp_path)

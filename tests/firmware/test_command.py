@@ -173,3 +173,21 @@ def test_a_report_warns_of_the_domain_once_at_most(
     words = ("--temperature-lsb", "1", "--echo-max-us", "5000", "--assume", "relative_humidity=1", "--quiet")
     assert run(monkeypatch, str(model), *words, "--report", "page.html", "-o", "made") == 0
     assert not recwarn.list
+
+
+def test_the_note_of_a_sensor_is_told(
+    model: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Saturated air would be refused on the device."""
+    words = (
+        "--sensor",
+        "sht40",
+        "--temperature-range=15:25",
+        "--humidity-shift",
+        "11",
+        "--max-error-mm",
+        "5",
+    )
+    assert run(monkeypatch, str(model), *words, "-o", "made") == 0
+    told = " ".join(capsys.readouterr().err.split())
+    assert "codes of sht40: above 100 % the codes go on: pass at most the last accepted humidity code" in told

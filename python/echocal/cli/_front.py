@@ -32,6 +32,7 @@ from echocal.errors import DataError, DomainWarning, UsageError, writing
 from echocal.keywords import command_line, keyword
 from echocal.observations.at import parsed
 from echocal.observations.inspection import Inspection, inspect_log
+from echocal.observations.misspelled import misspelled
 from echocal.observations.mount import is_level
 from echocal.observations.plan import read_columns
 from echocal.outputs import replace_text
@@ -52,11 +53,14 @@ class _Question:
         For a person at a terminal.
     flags : str
         The flags that answer it.
+    quantity : str
+        What is asked for, where a column whose name is misspelled may hold it.
     """
 
     what: str
     text: str
     flags: str
+    quantity: str = ""
 
 
 @dataclass
@@ -192,7 +196,10 @@ def _settled(log: Path, known: _Answers, yes: bool, console: Console) -> Inspect
         settle(_DISTANCE, lambda: _ask_distance(known))
     if open_:
         flags = "; ".join(f"{one.what} ({one.flags})" for one in open_)
-        message = f"{log.name} does not say, and nobody is at the terminal to ask: {flags}"
+        names = [column.name for column in found.columns]
+        hints = [misspelled(one.quantity, names) for one in open_ if one.quantity]
+        hint = next((one for one in hints if "did you mean" in one), "")
+        message = f"{log.name} does not say, and nobody is at the terminal to ask: {flags}{hint}"
         raise DataError(message)
     return inspect_log(log, known.reading)
 
@@ -202,12 +209,14 @@ _TEMPERATURE = _Question(
     "the temperature of the air",
     "What temperature had the air, in degC? Its uncertainty after +-, such as 20+-2",
     '--at "temperature=20+-2", or --column "NAME=temperature_C"',
+    "temperature",
 )
 _DISTANCE = _Question(
     "the distance of the target",
     "How far was the target, in m? If nobody measured it: press Enter if it did not move, else type moved",
     "--reference-distance M; --constant-distance if it did not move and nobody measured it; "
     'or --column "NAME=distance_m"',
+    "reference_distance",
 )
 
 

@@ -195,7 +195,7 @@ class _Walk:
     def _answer(self, text: str, convert: Callable[[str], _Answer], flag: str) -> _Answer:
         """An answer that nothing can be measured without."""
         if not self.person:
-            message = f"the lines do not say it, and nobody is at the terminal to ask: {flag}"
+            message = f"the lines do not say it, and nobody is at the terminal to ask: {text.strip()} {flag}"
             raise DataError(message)
         found = self._asked(text, convert)
         if found is None:

@@ -205,6 +205,7 @@ def command(
         "model_name": model.name,
     }
     followed = Model.load(model)
+    codes = [f"codes of {sensor}: {known.note}"] if known and known.note else []
     with _watched(console) as (tell, notes):
         if explore:
             text, table = _explore.run(followed, target, out, tell, **request)
@@ -223,6 +224,7 @@ def command(
                 followed = made.box.least(followed)  # the model of the function that is on the page
             if page is not None:
                 forms = considered(followed, target, prefer=saved, progress=tell, **request)
+    notes += codes
     if explore:
         pass_on(text, json)
         _explore.show(console, table, notes, out)

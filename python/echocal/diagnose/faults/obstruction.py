@@ -10,6 +10,7 @@ from echocal.diagnose.faults.common.fault import Fault, Found
 from echocal.diagnose.faults.common.one_value import one_value
 from echocal.diagnose.faults.common.outliers import far_rule
 from echocal.diagnose.faults.common.values import far
+from echocal.diagnose.faults.timeout import FACTS as TIMEOUT
 from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
 from echocal.diagnose.findings.finding import listed
 from echocal.diagnose.preprocess.view import View
@@ -64,7 +65,8 @@ def detect(view: View, own: Thresholds, settings: FaultSettings) -> Found | None
     beyond = np.flatnonzero(view.good & ((view.expected > place) | np.isin(np.arange(len(view)), found.rows)))
     anywhere = float(np.log(settings.constant.range))
     thing = found.as_echoes - log_choices(count, len(beyond)) - anywhere
-    constant = thing - found.as_echoes + found.as_constant + np.log(settings.constant.among * FACTS.prior)
+    constant = thing - found.as_echoes + found.as_constant
+    constant += float(np.log(settings.constant.among * settings.prior(TIMEOUT)))
     off = np.isin(beyond, found.rows)
     reference = np.zeros(len(beyond)) if view.reference is None else view.reference[beyond]
     visits = np.cumsum((np.diff(reference, prepend=np.nan) != 0) | np.diff(off, prepend=off[0]))
