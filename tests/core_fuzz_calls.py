@@ -1,6 +1,7 @@
 """A valid call of everything in `echocal._core`, for `core_fuzz.py` to spoil."""
 
 import ctypes
+import json
 import mmap
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -196,6 +197,14 @@ _TEXTS = ("core", "compiler", "options", "simulator")
 _COUNTS = ("flash_bytes", "own_flash_bytes", "ram_bytes", "stack_bytes")
 _STEPS = ("cycles", "fewest_cycles", "instructions", "fewest_instructions")
 MEASURED = {**dict.fromkeys(_TEXTS, "x"), **dict.fromkeys(_COUNTS, 100), **dict.fromkeys(_STEPS, 50)}
+_SIDE = dict.fromkeys(("low", "span", "default", "steps", "shift", "factor", "back"), 3)
+_WHOLE = ("places", "center", "slope", "mask", "most_more", "more_scale", "most_delay", "least_apart")
+UNIT: dict[str, Any] = {
+    **dict.fromkeys(("generator", "block_version", "block_bytes", "maximum_distance"), 1),
+    **dict.fromkeys(("error_mm", "asked_mm"), "0.5"),
+    **dict.fromkeys(_WHOLE, 7),
+    **{"box": ["x"], "shares": ["x"], "natural": True, "delay": _SIDE, "rate": _SIDE},
+}
 STATED: dict[str, Any] = {"includes": ["x"], "expanded": [(1.0, 0.01)], "offset": 1e-3, "slope": 1e-3}
 
 
@@ -274,7 +283,7 @@ CALLS: dict[str, Callable[[], Call]] = {
     "Sums.joined": of_sums("joined", sums),
     "Sums.without_infinite": of_sums("without_infinite"),
     "Firmware.files": lambda: Call(_FIRMWARE.files, [[MEASURED], STATED]),
-    "Firmware.unit_files": lambda: Call(_FIRMWARE.unit_files, ["{}"]),
+    "Firmware.unit_files": lambda: Call(_FIRMWARE.unit_files, [json.dumps(UNIT)]),
     "Firmware.filtered": lambda: Call(
         _FIRMWARE.filtered, [guard(np.arange(ROWS, dtype="i4")), guard(np.zeros(ROWS, "u1"))]
     ),
