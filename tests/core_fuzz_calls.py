@@ -172,6 +172,7 @@ def firmware_request() -> dict[str, Any]:
         "temperature": (10.0, 0.0, 20.0, 0.0, 0),
         "thermistor": None,
         "humidity": None,
+        "further": None,
         "echo": (500.0, 0.0, 20_000.0, 16),
         "output_unit": "um",
         "output_type": None,

@@ -174,6 +174,36 @@ def test_a_last_row_that_is_cut_is_one_for_each(
     assert watched(tmp_path / "out.jsonl")[-1] == (None, None, "cut line")
 
 
+def test_a_comment_at_the_end_cuts_no_row(tmp_path: Path, random: np.random.Generator) -> None:
+    (tmp_path / "log.csv").write_text(text(random).replace(",far,", ",,") + "# the end")
+    with warnings.catch_warnings(action="ignore"):
+        read = echocal.read_observations(tmp_path / "log.csv")
+    assert "cut line" not in read.unusable_counts
+
+
+@pytest.mark.parametrize("word", ["#NA", "-1.#IND"])
+def test_a_word_for_no_value_is_one_for_each(word: str, tmp_path: Path, random: np.random.Generator) -> None:
+    """Spreadsheets and C write it; in most rows, it is no damage."""
+    lines = text(random).replace(",far,", ",,").splitlines()
+    lines[1:] = [
+        ",".join([*line.split(",")[:2], word, "x"]) if n % 2 else line for n, line in enumerate(lines[1:])
+    ]
+    (tmp_path / "log.csv").write_text("\n".join([*lines, ""]))
+    with warnings.catch_warnings(action="ignore"):
+        read = echocal.read_observations(tmp_path / "log.csv")
+        out = echocal.correct(tmp_path / "log.csv", MODEL).table
+    correct_files(tmp_path / "log.csv", tmp_path / "out.csv", MODEL)
+    reasons = [reason for *_, reason in corrected(tmp_path / "out.csv")]
+    assert reasons == [str(reason) for reason in read.unusable] == list(out["status"])
+    assert reasons.count("temperature_C missing") >= 17  # three rows have another fault
+
+
+def test_a_separator_beyond_ascii_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "log.csv").write_text("sep=§\necho_us§temperature_C\n11660§20\n")
+    with pytest.raises(echocal.DataError, match="names a separator that is no sign of ASCII"):
+        echocal.read_observations(tmp_path / "log.csv")
+
+
 def test_a_pipe_is_refused_with_the_way_out(tmp_path: Path) -> None:
     """It gives its bytes once, and a file is opened twice."""
     reads, writes = os.pipe()

@@ -16,7 +16,6 @@ __all__ = [
     "NEIGHBORS",
     "RowRule",
     "apart_from_neighbors",
-    "context_rows",
     "marked",
     "rules_from",
     "seconds",
@@ -94,11 +93,6 @@ def rules_from(plain: object) -> tuple[RowRule, ...]:
     except TypeError as error:
         message = f"a rule for rows cannot be read: {error}"
         raise ModelError(message) from None
-
-
-def context_rows(rules: tuple[RowRule, ...]) -> int:
-    """Rows before and after a part of a table that its marks depend on: a part needs them, too."""
-    return max((rule.context for rule in rules), default=0)
 
 
 def marked(

@@ -24,7 +24,6 @@ __all__ = [
     "SILENT",
     "Damage",
     "Missing",
-    "is_damaged",
     "number_of",
     "says_no_echo",
     "to_numbers",
@@ -193,14 +192,6 @@ def _parse(
         )
         raise DataError(message)
     return numbers
-
-
-def is_damaged(value: Any, column: str, missing: Missing) -> bool:
-    """Whether one field is a text that is no number, means no value, and is not meant as a number."""
-    texts = fields(pd.Series([value], dtype=object), column)
-    absent = texts.iloc[0] in NO_NUMBER | missing.texts(column)
-    no_number = bool(pd.to_numeric(texts, errors="coerce").isna().iloc[0])
-    return not absent and no_number and not Damage.of(texts).meant
 
 
 @dataclass(frozen=True)

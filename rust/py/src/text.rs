@@ -5,7 +5,7 @@ use echocal_text::fields::{Texts, texts};
 use echocal_text::lines::{Dialect, Kind, Line, Memory, Scan, scan};
 use echocal_text::quotes::Fault;
 use echocal_text::results::{Results, appended};
-use echocal_text::row::{each, width};
+use echocal_text::row::each;
 use numpy::PyArray1;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -134,15 +134,13 @@ impl CoreLines {
         self.data.clone_ref(py)
     }
 
-    /// Rows that are not read: place among the rows, line from 0 on, fields that count, whether the row is cut.
-    fn unread(&self, py: Python<'_>) -> Vec<(usize, usize, usize, bool)> {
-        let data = self.data.as_bytes(py);
+    /// Rows that are not read: place among the rows, line from 0 on, fields, whether the row is cut.
+    fn unread(&self) -> Vec<(usize, usize, u32, bool)> {
         let (mut row, mut number) = (0, 0);
         let mut found = Vec::new();
-        for (begin, line) in self.scan.spans() {
+        for line in &self.scan.lines {
             if matches!(line.kind, Kind::Cut | Kind::Wide) {
-                let fields = width(&data[begin..line.end as usize], self.dialect.separator);
-                found.push((row, number, fields, line.kind == Kind::Cut));
+                found.push((row, number, line.fields, line.kind == Kind::Cut));
             }
             row += usize::from(line.kind != Kind::Other);
             number += line.count as usize;
@@ -181,20 +179,18 @@ impl CoreLines {
         self.scan.spans().map(record).collect()
     }
 
-    /// Rows with fewer fields than the header, and how many they have; none that is too wide.
-    fn short(&self, py: Python<'_>) -> Vec<(usize, usize)> {
-        let data = self.data.as_bytes(py);
-        let rows = self.scan.rows().enumerate();
-        rows.filter_map(|(row, (begin, end, kind))| {
-            let count = match kind {
-                Kind::Odd => width(&data[begin..end], self.dialect.separator),
-                Kind::Wide => 0,
-                Kind::Cut => width(&data[begin..end], self.dialect.separator) - 1,
-                _ => self.dialect.width,
-            };
-            (count < self.dialect.width).then_some((row, count))
-        })
-        .collect()
+    /// Rows with fewer fields that count than the header, and how many: of one that is too wide none does, and of
+    /// one that is cut not the last.
+    fn short(&self) -> Vec<(usize, usize)> {
+        let count = |line: Line| match line.kind {
+            Kind::Wide => 0,
+            Kind::Cut => line.fields as usize - 1,
+            _ => line.fields as usize,
+        };
+        let counts = self.scan.rows().map(|(_, line)| count(line)).enumerate();
+        counts
+            .filter(|&(_, count)| count < self.dialect.width)
+            .collect()
     }
 
     /// Numbers of the columns at some ascending places; None for a column with a field that is none.

@@ -71,8 +71,9 @@ pub fn numbers(
         are_whole: true,
     };
     let mut columns: Vec<_> = places.iter().map(|_| Some(empty())).collect();
-    for (row, (begin, end, kind)) in lines.rows().enumerate() {
-        if kind == Kind::Plain {
+    for (row, (begin, line)) in lines.rows().enumerate() {
+        let end = line.end as usize;
+        if line.kind == Kind::Plain {
             let (mut at, mut before) = (begin, 0);
             for (&place, column) in places.iter().zip(&mut columns) {
                 at = separator
@@ -91,7 +92,7 @@ pub fn numbers(
             }
         } else {
             let text = &data[begin..end];
-            wanted(text, kind, dialect.separator, places, |number, field| {
+            wanted(text, line, dialect.separator, places, |number, field| {
                 let column = &mut columns[number];
                 match (column.as_mut(), numerals.of(field)) {
                     (Some(own), Some(number)) => own.push(number, field),

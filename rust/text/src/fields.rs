@@ -1,9 +1,9 @@
 //! The fields of rows as texts, without the quotation marks around them.
 
 use crate::bytes::Needle;
-use crate::lines::{Dialect, Kind, Scan};
+use crate::lines::{Dialect, Kind, Line, Scan};
 use crate::quotes::behind_blanks;
-use crate::row::{each, width};
+use crate::row::each;
 
 /// The fields of one column, one behind the other.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -37,8 +37,9 @@ pub fn texts(data: &[u8], lines: &Scan, dialect: &Dialect, places: &[usize]) -> 
     };
     let mut columns = vec![empty; places.len()];
     let separator = Needle::new(dialect.separator);
-    for (begin, end, kind) in lines.rows() {
-        if kind == Kind::Plain {
+    for (begin, line) in lines.rows() {
+        let end = line.end as usize;
+        if line.kind == Kind::Plain {
             let (mut at, mut before) = (begin, 0);
             for (&place, column) in places.iter().zip(&mut columns) {
                 at = separator
@@ -53,7 +54,7 @@ pub fn texts(data: &[u8], lines: &Scan, dialect: &Dialect, places: &[usize]) -> 
         } else {
             wanted(
                 &data[begin..end],
-                kind,
+                line,
                 dialect.separator,
                 places,
                 |number, field| {
@@ -71,14 +72,14 @@ pub fn texts(data: &[u8], lines: &Scan, dialect: &Dialect, places: &[usize]) -> 
 /// Take each field that counts of a row that is not plain, with the number of its place.
 pub(crate) fn wanted(
     row: &[u8],
-    kind: Kind,
+    line: Line,
     separator: u8,
     places: &[usize],
     mut take: impl FnMut(usize, &[u8]),
 ) {
-    let most = match kind {
+    let most = match line.kind {
         Kind::Wide => return,
-        Kind::Cut => width(row, separator) - 1,
+        Kind::Cut => line.fields as usize - 1,
         _ => usize::MAX,
     };
     let mut rest = places.iter().copied().enumerate().peekable();

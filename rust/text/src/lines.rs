@@ -3,7 +3,7 @@
 use memchr::{memchr, memchr_iter, memchr2};
 
 use crate::quotes::{Fault, MARK, Marks, Wrong, marks, swallowed};
-use crate::row::{fits, width};
+use crate::row::fit;
 
 /// Bytes of a row with all its lines, beyond which it is none.
 pub const LONGEST: usize = 1 << 22;
@@ -64,6 +64,8 @@ pub struct Line {
     pub next: u32,
     /// How many lines it has.
     pub count: u32,
+    /// How many fields it has, where it is a row.
+    pub fields: u32,
     /// What it is.
     pub kind: Kind,
 }
@@ -96,11 +98,9 @@ pub struct Scan {
 }
 
 impl Scan {
-    /// Each row: where its text begins and ends, and what it is.
-    pub fn rows(&self) -> impl Iterator<Item = (usize, usize, Kind)> {
-        self.spans()
-            .map(|(begin, line)| (begin, line.end as usize, line.kind))
-            .filter(|&(.., kind)| kind != Kind::Other)
+    /// Each row, with the place where it begins.
+    pub fn rows(&self) -> impl Iterator<Item = (usize, Line)> {
+        self.spans().filter(|(_, line)| line.kind != Kind::Other)
     }
 
     /// Each line, with the place where it begins.
@@ -123,7 +123,8 @@ impl Scan {
 /// # use echocal_text::lines::{Dialect, Kind, Memory, scan};
 /// let dialect = Dialect { separator: b',', width: 2, comments: true, ..Dialect::default() };
 /// let found = scan(b"5,3\r\n#\n6\n7,", &dialect, &mut Memory::default(), false);
-/// assert_eq!(found.rows().collect::<Vec<_>>(), [(0, 3, Kind::Plain), (7, 8, Kind::Odd)]);
+/// let rows: Vec<_> = found.rows().map(|(begin, line)| (begin, line.end, line.kind)).collect();
+/// assert_eq!(rows, [(0, 3, Kind::Plain), (7, 8, Kind::Odd)]);
 /// ```
 #[must_use]
 pub fn scan(data: &[u8], dialect: &Dialect, memory: &mut Memory, last: bool) -> Scan {
@@ -141,6 +142,7 @@ pub fn scan(data: &[u8], dialect: &Dialect, memory: &mut Memory, last: bool) -> 
             end: place(end),
             next: place(next),
             count: 1,
+            fields: 0,
             kind: Kind::Other,
         };
         if next - begin > LONGEST {
@@ -161,16 +163,12 @@ pub fn scan(data: &[u8], dialect: &Dialect, memory: &mut Memory, last: bool) -> 
         } else if is_row {
             usual = Some((begin, end));
             if !dialect.is_blank(text) {
-                line.kind = unmarked(text, dialect);
+                (line.kind, line.fields) = unmarked(text, dialect);
             }
         }
         if line.kind != Kind::Other {
             let text = &data[begin..line.end as usize];
-            let fields = match line.kind {
-                Kind::Odd => width(text, dialect.separator),
-                Kind::Plain => dialect.width,
-                _ => usize::MAX,
-            };
+            let fields = line.fields as usize;
             let may_go_on = line.next == line.end && memory.complete && fields < dialect.width;
             if may_go_on || (text.ends_with(NO_SIGN) && line.kind != Kind::Wide) {
                 line.kind = Kind::Cut;
@@ -187,22 +185,19 @@ pub fn scan(data: &[u8], dialect: &Dialect, memory: &mut Memory, last: bool) -> 
     found
 }
 
-/// What a row without quotation marks is.
-fn unmarked(text: &[u8], dialect: &Dialect) -> Kind {
+/// What a row without quotation marks is, and how many fields it has.
+fn unmarked(text: &[u8], dialect: &Dialect) -> (Kind, u32) {
     let separators = memchr_iter(dialect.separator, text).count();
     if dialect.separator != b' ' && separators + 1 == dialect.width {
-        Kind::Plain
+        (Kind::Plain, place(dialect.width))
     } else {
         odd(text, dialect)
     }
 }
 
-fn odd(text: &[u8], dialect: &Dialect) -> Kind {
-    if fits(text, dialect.separator, dialect.width) {
-        Kind::Odd
-    } else {
-        Kind::Wide
-    }
+fn odd(text: &[u8], dialect: &Dialect) -> (Kind, u32) {
+    let (count, fits) = fit(text, dialect.separator, dialect.width);
+    (if fits { Kind::Odd } else { Kind::Wide }, place(count))
 }
 
 /// A row that begins with a line with quotation marks; none where it may go on behind the text.
@@ -231,7 +226,7 @@ fn record(
         }
         state = marks(own, held.len() > 1, dialect.separator);
     }
-    let kind = match state {
+    let (kind, fields) = match state {
         Marks::Wrong => return Err(Wrong::of(Fault::Within, &held, held.len() - 1)),
         Marks::Whole => match swallowed(&held, true) {
             Some(line) => return Err(Wrong::of(Fault::Swallows, &held, line)),
@@ -242,14 +237,15 @@ fn record(
             return Err(Wrong::of(Fault::Open, &held, 0));
         }
         Marks::Open => match odd(text, dialect) {
-            Kind::Odd => Kind::Cut,
-            kind => kind,
+            (Kind::Odd, fields) => (Kind::Cut, fields),
+            wide => wide,
         },
     };
     Ok(Some(Line {
         end: place(begin + text.len()),
         next: place(behind),
         count: place(held.len()),
+        fields,
         kind,
     }))
 }

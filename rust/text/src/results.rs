@@ -5,9 +5,8 @@ use std::slice;
 use memchr::memrchr;
 
 use crate::digits::{push_distance, push_single};
-use crate::lines::{Dialect, Kind, Scan};
+use crate::lines::{Dialect, Kind, Line, Scan};
 use crate::quotes::{MARK, Marks, marks};
-use crate::row::width;
 
 /// Results of each row.
 #[derive(Clone, Copy, Debug)]
@@ -73,7 +72,7 @@ pub fn appended(
         let Some(((&distance, &uncertainty), &code)) = numbers.next() else {
             break;
         };
-        push_row(&mut out, &data[begin..end], line.kind, dialect);
+        push_row(&mut out, &data[begin..end], line, dialect);
         out.push(separator);
         push_distance(&mut out, distance, decimal);
         let behind = if uncertainty.is_nan() {
@@ -93,9 +92,9 @@ pub fn appended(
 }
 
 /// Append a row with as many fields as the header.
-fn push_row(out: &mut Vec<u8>, row: &[u8], kind: Kind, dialect: &Dialect) {
+fn push_row(out: &mut Vec<u8>, row: &[u8], line: Line, dialect: &Dialect) {
     let separator = dialect.separator;
-    let more = match kind {
+    let more = match line.kind {
         Kind::Plain | Kind::Other => {
             out.extend_from_slice(row);
             return;
@@ -113,13 +112,13 @@ fn push_row(out: &mut Vec<u8>, row: &[u8], kind: Kind, dialect: &Dialect) {
             dialect.width - 1
         }
         Kind::Odd | Kind::Cut => {
-            let count = width(row, separator);
+            let count = line.fields as usize;
             let mut end = row.len();
             for _ in dialect.width..count {
                 end = memrchr(separator, &row[..end]).unwrap_or(end);
             }
             out.extend_from_slice(&row[..end]);
-            if kind == Kind::Cut && marks(row, false, separator) == Marks::Open {
+            if line.kind == Kind::Cut && marks(row, false, separator) == Marks::Open {
                 out.push(MARK); // the results stand behind the field, not in it
             }
             dialect.width.saturating_sub(count)

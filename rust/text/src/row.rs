@@ -14,19 +14,24 @@ pub fn each(row: &[u8], separator: u8, mut take: impl FnMut(usize, &[u8])) {
         if row.get(at) == Some(&MARK) {
             bare.clear();
             loop {
-                at += 1;
-                let mark = memchr(MARK, &row[at..]).map_or(row.len(), |length| at + length);
-                bare.extend_from_slice(&row[at..mark]);
+                let begin = at + 1;
+                let mark = memchr(MARK, &row[begin..]).map_or(row.len(), |length| begin + length);
                 at = row.len().min(mark + 1);
-                if row.get(at) != Some(&MARK) {
+                let next = row.get(at);
+                if bare.is_empty() && next.is_none_or(|&byte| byte == separator) {
+                    take(place, &row[begin..mark]);
+                    break;
+                }
+                bare.extend_from_slice(&row[begin..mark]);
+                if next != Some(&MARK) {
+                    let last = end(at);
+                    bare.extend_from_slice(&row[at..last]);
+                    take(place, &bare);
+                    at = last;
                     break;
                 }
                 bare.push(MARK);
             }
-            let last = end(at);
-            bare.extend_from_slice(&row[at..last]);
-            take(place, &bare);
-            at = last;
         } else {
             let last = end(at);
             take(place, &row[at..last]);
@@ -40,21 +45,14 @@ pub fn each(row: &[u8], separator: u8, mut take: impl FnMut(usize, &[u8])) {
     }
 }
 
-/// Number of fields of a row.
+/// Number of fields of a row, and whether none beyond a number of them has a value.
 #[must_use]
-pub fn width(row: &[u8], separator: u8) -> usize {
-    let mut count = 0;
-    each(row, separator, |place, _| count = place + 1);
-    count
-}
-
-/// Whether no field of a row beyond a number of fields has a value.
-#[must_use]
-pub fn fits(row: &[u8], separator: u8, width: usize) -> bool {
-    let mut fits = true;
+pub fn fit(row: &[u8], separator: u8, width: usize) -> (usize, bool) {
+    let (mut count, mut fits) = (0, true);
     let is_blank = |field: &[u8]| str::from_utf8(field).is_ok_and(|text| text.trim().is_empty());
     each(row, separator, |place, field| {
+        count = place + 1;
         fits &= place < width || is_blank(field);
     });
-    fits
+    (count, fits)
 }

@@ -47,7 +47,6 @@ _BYTES_A_ROW = 500
 _PIECE = (4096, 1 << 18)
 """Least and largest number of rows that are corrected together."""
 _INDEX = "__index_level_0__"
-_BUFFER = 1 << 20  # bytes of a column that are read at a time
 
 
 @dataclass(frozen=True)
