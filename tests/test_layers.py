@@ -28,7 +28,7 @@ LAYERS = (
     {"diagnose", "silicon", "echoes", "verify", "generated", "device_uncertainty", "recorded", "further"},
     {"charts"},
     {"plots", "report", "firmware"},
-    {"study", "explore", "per_unit", "emulation", "fleet", "watch", "accessor", "estimator"},
+    {"study", "explore", "per_unit", "lagging", "emulation", "fleet", "watch", "accessor", "estimator"},
     {"pages", "_accessors", "serve", "bench"},
     {"cli"},
 )
