@@ -121,8 +121,6 @@ class Reader:
         damaged = []
         for column in columns.measured:
             value = self._number(row[column], column, decimal)
-            if value is None and isinstance(row[column], str):
-                value = _odd_number(row[column])
             numbers[column] = np.nan if value is None else value
             if value is None:
                 damaged.append(column)
@@ -152,12 +150,6 @@ class Reader:
             except (TypeError, ValueError):
                 return None
         return np.nan if number in codes else number
-
-
-def _odd_number(text: str) -> float | None:
-    """What a table takes for a number, too."""
-    number = float(pd.to_numeric(pd.Series([text.strip()], dtype=object), errors="coerce").iloc[0])
-    return None if np.isnan(number) else number
 
 
 def refused_names(row: Row, results: Sequence[str]) -> str:
