@@ -12,7 +12,6 @@ from typer.testing import CliRunner
 import echocal
 from echocal.budget.coverage import conformity_probability, coverage_factor, decided, plus_minus, rounded_up
 from echocal.budget.entries import Entry, Itemized
-from echocal.budget.instruments import INSTRUMENTS
 from echocal.budget.stated import Uncertainties
 from echocal.cli import app
 from echocal.correct import correct_table
@@ -228,12 +227,6 @@ def test_limits_follow_the_temperature() -> None:
         LAW, distance=1.0, temperature=[-20.0, 20.0], uncertainties={"thermometer": "DS18B20"}
     )
     np.testing.assert_allclose(found.entries[0].standard_uncertainty * 3**0.5, [2.0, 0.5])
-
-
-@pytest.mark.parametrize(("part", "wide"), [("SHT40", 0.03), ("SHT41", 0.02)])
-def test_limits_follow_the_humidity(part: str, wide: float) -> None:
-    limits = INSTRUMENTS["hygrometer"][part]
-    assert limits.half_width([0.1, 0.25, 0.5, 0.9]).tolist() == [wide, 0.018, 0.018, wide]
 
 
 @pytest.mark.parametrize(("law", "ppm"), [("cramer", 350.0), ("virial", 350.0), (LAW, 6000.0)])

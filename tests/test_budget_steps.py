@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import echocal
+from echocal.budget.instruments import INSTRUMENTS
 
 
 def test_a_stated_condition_has_no_thermometer() -> None:
@@ -94,3 +95,9 @@ def test_coarser_readings_than_those_of_the_model_are_told(random: np.random.Gen
     }
     notes = echocal.budget(echocal.diagnose(fine).model, in_centimeters(random, 50), trials=0).notes
     assert any("steps of 10 mm, and the model knows of steps of 1 mm" in note for note in notes), notes
+
+
+@pytest.mark.parametrize(("part", "wide"), [("SHT40", 0.03), ("SHT41", 0.02)])
+def test_limits_follow_the_humidity(part: str, wide: float) -> None:
+    own = INSTRUMENTS["hygrometer"][part].half_width([0.1, 0.25, 0.5, 0.9])
+    assert own.tolist() == [wide, 0.018, 0.018, wide]

@@ -27,7 +27,7 @@ from echocal.observations.vocabulary import (
     WORDS,
 )
 
-__all__ = ["Hint", "completed", "hint", "is_time_name", "role_of", "role_of_unit"]
+__all__ = ["Hint", "completed", "hint", "is_time_name", "of_ranger", "role_of", "role_of_unit"]
 
 
 @dataclass(frozen=True)
@@ -90,6 +90,20 @@ def hint(column: str, unit: str = "") -> Hint | None:
             name = _name(role, symbol)
             return Hint(name, role not in {"reading"} or not tokens & {"distance", "dist", "abstand"})
     return None
+
+
+def of_ranger(column: str, unit: str = "") -> str:
+    """What a column holds that somebody calls a ranger: by its name, else by its unit; empty without one.
+
+    Examples
+    --------
+    >>> of_ranger("left_cm"), of_ranger("left_us"), of_ranger("sonar (mm)"), of_ranger("left")
+    ('reading_cm', 'echo_us', 'reading_mm', '')
+    """
+    said = hint(column, unit)
+    symbol = symbol_of(unit) or split_unit(column)[1]
+    units = (f"{role}_{symbol}" for role in ("reading", "echo") if symbol in WORDS[role][0])
+    return said.name if said is not None else next(units, "")
 
 
 def role_of_unit(column: str) -> str:

@@ -184,7 +184,7 @@ def _by_values(
         free[name] = numbers
         units[name] = symbol_of(found.units.get(name, "")) or split_unit(name)[1]
     known = bool({"reading", "echo_time"} & held)
-    for name, guess in guesses(free, units, held).items():
+    for name, guess in guesses(free, units, held, _reference(table, proposals)).items():
         if (
             known and guess.request
         ):  # a table whose names say something: no other column is taken by its values
@@ -192,6 +192,16 @@ def _by_values(
             continue
         proposals[name] = Proposal(guess.request, guess.reason, guess=bool(guess.request))
         held.add(_quantity(guess.request))
+
+
+def _reference(table: pd.DataFrame, proposals: Mapping[str, Proposal]) -> tuple[str, Column] | None:
+    """The column that is the reference distance by its name, and its values [m]; None without one."""
+    for name, own in proposals.items():
+        found = by_request(name, own.request) if _quantity(own.request) == "reference_distance" else None
+        numbers = None if found is None or found[0].level or own.guess else _numbers(table[name])
+        if found is not None and numbers is not None:
+            return name, np.asarray(found[0].units[found[1]].to_si(numbers))
+    return None
 
 
 def _reference_as_reading(
