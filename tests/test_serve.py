@@ -24,7 +24,7 @@ from browsed import Text, chromium
 
 import echocal
 from echocal.keywords import on_page
-from echocal.serve.fields import DISTANCES, FIELDS, SPEED, TEMPERATURE
+from echocal.serve.fields import BASE, DISTANCES, FIELDS, SPEED, TEMPERATURE
 from echocal.serve.server import OwnPagesOnly
 from echocal.serve.session import Session
 
@@ -263,10 +263,10 @@ def test_a_phone_from_a_log_to_its_c(address: str, random: np.random.Generator, 
             page.get_by_text("as you say").nth(place).wait_for()
         playwright.expect(page.get_by_text("180 of 180 rows can be used")).to_be_visible()
         playwright.expect(page.get_by_role("alert")).to_be_hidden()
-        page.get_by_label("speed of sound that").fill("343 bananas")
+        page.get_by_label(BASE).fill("343 bananas")
         page.get_by_role("button", name="Diagnose").click()
         playwright.expect(page.get_by_role("alert")).to_contain_text("343 bananas")
-        page.get_by_label("speed of sound that").fill("331.4+0.6*T")
+        page.get_by_label(BASE).fill("331.4+0.6*T")
         page.evaluate(SEEN)
         page.get_by_role("button", name="Diagnose").click()
         report = page.frame_locator("iframe")
