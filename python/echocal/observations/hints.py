@@ -2,6 +2,7 @@
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
+from functools import cache
 from itertools import pairwise
 
 from echocal.errors import DataError
@@ -28,6 +29,10 @@ from echocal.observations.vocabulary import (
 )
 
 __all__ = ["Hint", "completed", "hint", "is_time_name", "of_ranger", "role_of", "role_of_unit"]
+
+
+_SHORT = 4  # letters of a word in a compound
+_KNOWN = frozenset().union(*(words for _, words in WORDS.values()), *NOT.values())
 
 
 @dataclass(frozen=True)
@@ -218,7 +223,16 @@ def _name(role: str, symbol: str) -> str:
 def _tokens(words: str) -> set[str]:
     """Words of a name; a single letter is one where it is the first."""
     first, *rest = [*_listed(words), ""]
-    return {first, *(word for word in rest if word not in LETTERS)}
+    found = {first, *(word for word in rest if word not in LETTERS)}
+    return found | {part for word in found for part in _parts(word)}
+
+
+@cache
+def _parts(word: str) -> tuple[str, ...]:
+    """Both words of a compound, as "sollabstand" and "wassertemperatur" are; nothing of another word."""
+    cuts = range(_SHORT, len(word) - _SHORT + 1)
+    both = ((word[:cut], word[cut:]) for cut in cuts)
+    return () if word in _KNOWN else next((own for own in both if _KNOWN.issuperset(own)), ())
 
 
 def _of_echo(words: str) -> bool:
