@@ -152,7 +152,7 @@ class Page:
                 self.height.props("dense").classes("w-72")
             ui.label("The device").classes("text-xl mt-4")
             self.speed = ui.input(SPEED)
-            self.speed.props('dense hint="empty: linear"').classes("w-full")
+            self.speed.props('dense hint="what the device used; empty: linear"').classes("w-full")
             self.base = ui.input(BASE, value="linear")
             self.base.props('dense hint="linear, cramer, 343"').classes("w-full")
             self.start = ui.button("Diagnose", on_click=self._diagnose).classes("mt-4")
