@@ -94,7 +94,7 @@ def starts() -> Any:
 
 
 def lines(text: bytes) -> Any:
-    return _core.Lines.of(text, False)
+    return _core.Scanner(ord(","), 1 + text.partition(b"\n")[0].count(b","), True, False, []).scan(text, True)
 
 
 def slips() -> list[Any]:
@@ -317,12 +317,16 @@ CALLS: dict[str, Callable[[], Call]] = {
     "legendre_values": lambda: Call(_core.legendre_values, [column(), 0.5, 3.0, [1.0, 1.0]]),
     "wave_values": lambda: Call(_core.wave_values, [column(), 24.0, [1.0, 1.0]]),
     "spread": lambda: Call(_core.spread, [column()]),
-    "Lines.of": lambda: Call(_core.Lines.of, [b"1,2\n3,4\n", False]),
-    "Lines.numbers": lambda: Call(lines(b"1,2\n3,4\n").numbers, [[0], 2, 44, 46, [b""]]),
-    "Lines.texts": lambda: Call(lines(b'1,a\n3,"b"\n').texts, [[0, 1], 2, 44]),
+    "Scanner": lambda: Call(_core.Scanner, [44, 2, True, False, [b"a,b"]]),
+    "Scanner.scan": lambda: Call(_core.Scanner(44, 2, True, False, []).scan, [b'1,2\n3,"4\n', False]),
+    "Lines.unread": lambda: Call(lines(b"1,2\n3,4,5\n").unread, []),
+    "Lines.records": lambda: Call(lines(b'1,2\n3,"4"\n').records, []),
+    "Lines.short": lambda: Call(lines(b"1,2\n3\n").short, []),
+    "Lines.numbers": lambda: Call(lines(b"1,2\n3,4\n").numbers, [[0], 46, [b""]]),
+    "Lines.texts": lambda: Call(lines(b'1,a\n3,"b"\n').texts, [[0, 1]]),
     "Lines.with_results": lambda: Call(
         lines(b"1\n" * ROWS).with_results,
-        [column(), column().astype(np.float32), guard(np.zeros(ROWS, np.int16)), [b"\n"], b",", 46, True],
+        [column(), column().astype(np.float32), guard(np.zeros(ROWS, np.int16)), [b"\n"], 46],
         columns=(0, 1, 2),
     ),
     "log_density": lambda: Call(_core.log_density, [column(), 4.0]),

@@ -115,8 +115,8 @@ FILES: dict[str, tuple[bytes, dict[str, Any], type[Exception], str]] = {
         DataError,
         "would make one field of lines 3 to 6, and line 4 looks like a row",
     ),
-    "a stray quote in the last line": (
-        b'echo_us,x\n11660,1\n11660,"2',
+    "a stray quote in the last lines": (
+        b'echo_us,x\n11660,1\n11660,"2\n11660,3',
         {},
         DataError,
         "nothing closes the quotation mark of line 3",

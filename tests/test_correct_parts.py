@@ -176,42 +176,6 @@ def test_blocks_of_text(
         assert status == unusable == wanted["status"][row]
 
 
-def test_the_fast_way_and_the_careful_way_through_text_agree(
-    table: pd.DataFrame, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    table.to_csv(tmp_path / "in.csv", index=False)
-    for out, model in (("plain", PLAIN), ("lag", LAG)):
-        correct_files(tmp_path / "in.csv", tmp_path / f"{out}.csv", model)
-    with monkeypatch.context() as patch:
-        patch.setattr(text_file.Parser, "_fast", lambda *_: None)
-        for out, model in (("plain", PLAIN), ("lag", LAG)):
-            correct_files(tmp_path / "in.csv", tmp_path / f"{out}-careful.csv", model)
-    for out in ("plain", "lag"):
-        assert (tmp_path / f"{out}.csv").read_bytes() == (tmp_path / f"{out}-careful.csv").read_bytes()
-
-
-NUMBERS = ["0.1", "1e-3", "2.5E+02", "17.", ".5", "1234567.890123456789", "0.30000000000000004", "20"]
-
-
-@pytest.mark.parametrize("text", [*NUMBERS, "+20.5", " 20.5", "NA", "", "nan", "2,5", "abc", "1_0", "inf"])
-def test_every_way_to_write_a_number(text: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """What Arrow reads, and what it leaves to the careful way, is the same number or the same mistake."""
-    field = f'"{text}"' if "," in text else text
-    lines = ["echo_us,temperature_C", f"11660,{field}", "11660,20.25", "11660,20.5"]
-    (tmp_path / "in.csv").write_text("\n".join(lines))
-    told = []
-    for careful in (False, True):
-        with monkeypatch.context() as patch:
-            if careful:
-                patch.setattr(text_file.Parser, "_fast", lambda *_: None)
-            try:
-                correct_files(tmp_path / "in.csv", tmp_path / "out.csv", echocal.Model("linear"))
-                told.append((tmp_path / "out.csv").read_text())
-            except echocal.DataError as error:
-                told.append(str(error))
-    assert told[0] == told[1]
-
-
 def test_neighbors_are_those_of_the_whole() -> None:
     whole = pd.DataFrame({"x": np.arange(20)})
     for size in (1, 2, 3, 7, 20):

@@ -1,5 +1,6 @@
-"""A text is corrected by the core, with or without Arrow, or field by field: the same bytes each time."""
+"""A text is corrected in blocks or as a whole, with or without Arrow: the same bytes each time."""
 
+import csv
 import tempfile
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
@@ -16,11 +17,24 @@ import echocal
 from echocal import _core
 from echocal.correct import correct_files
 from echocal.correct.text import file as text_file
-from echocal.correct.text import parse
-from echocal.correct.text.file import _shortest
+from echocal.observations import scanner
 from echocal.observations.layout import Layout
+from echocal.observations.numbers import NO_NUMBER, number_of
 
-PLAIN = ("20", "20.5", "-3.25", "19.999999", "21.0000000000000001", "1e1", "15.", "7.0", "0012")
+WHOLE = 1 << 23
+PLAIN = (
+    "20",
+    "20.5",
+    "-3.25",
+    "19.999999",
+    "21.0000000000000001",
+    "1e1",
+    "2.5E+02",
+    "0.30000000000000004",
+    "15.",
+    "7.0",
+    "0012",
+)
 ODD = (
     *("", " ", " 5", "5 ", "\t7", "nan", "NaN", "NA", "nan ", "null", "-", "--", "unknown", "error"),
     *("+5", ".5", "5.", ".", "-0", "-.5", "1E2", "1e", "1e22", "1e23", "1e400", "-1e400", "1e-400", "4e-320"),
@@ -84,11 +98,9 @@ def tables(draw: st.DrawFn) -> tuple[str, Layout]:
 @contextmanager
 def way(name: str, size: int) -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(text_file, "_BLOCK", (size, size))
+        patch.setattr(text_file, "_BLOCK", (WHOLE, WHOLE) if name == "whole" else (size, size))
         if name == "without Arrow":
-            patch.setattr(parse, "has_arrow", lambda: False)
-        if name == "field by field":
-            patch.setattr(parse.Parser, "_plain", lambda *_: None)
+            patch.setattr(scanner, "has_arrow", lambda: False)
         yield
 
 
@@ -126,27 +138,35 @@ def test_odd_numbers_at_the_start_of_a_block(field: str, tmp_path: Path) -> None
         source = tmp_path / "in.csv"
         source.write_text("\n".join(["temperature_C,echo_us,humidity_percent,remark", *lines, ""]), "utf-8")
         found = []
-        for name in ("core", "without Arrow", "field by field"):
+        for name in ("blocks", "without Arrow", "whole"):
             with way(name, 64):
                 found.append(told(source, echocal.Model("cramer"), 1))
         assert found[1:] == found[:1] * 2
 
 
-def test_the_core_is_asked(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """What would be left to the other ways, unseen, would only be slow."""
-    monkeypatch.setattr(parse.Parser, "_records", None)
-    for decimal, end, last in ((".", "\n", ""), (",", "\r\n", "\r\n")):
-        row = ("11660.5;20;remark ä;55", "12000;;; 50.5", "13000.25;NA;;1e1", "-1;-3.125;b;60")
-        text = end.join(["echo_us;temperature_C;remark;humidity_percent", *row]).replace(".", decimal) + last
-        (tmp_path / "in.csv").write_bytes(text.encode())
-        layout = Layout(decimal=decimal)
-        summary = correct_files(
-            tmp_path / "in.csv", tmp_path / "out.csv", echocal.Model("cramer"), layout=layout
-        )
-        assert (summary.rows, summary.unusable) == (4, 3)
-        before, after = text.split(end), (tmp_path / "out.csv").read_bytes().decode().split(end)
-        assert len(before) == len(after)
-        assert all(own.startswith(old + ";") or not old for old, own in zip(before, after, strict=True))
+@st.composite
+def columns_of_fields(draw: st.DrawFn) -> tuple[list[str], str]:
+    decimal = draw(st.sampled_from(".,"))
+    return draw(st.lists(st.sampled_from((*PLAIN, *ODD)), min_size=1, max_size=30)), decimal
+
+
+@settings(max_examples=300, deadline=None)
+@given(columns_of_fields())
+def test_a_field_is_the_number_that_a_watch_reads(column: tuple[list[str], str]) -> None:
+    """Each by itself, in a plain row and in one with quotation marks."""
+    fields, decimal = column
+    absent = [text.encode() for text in sorted(NO_NUMBER)]
+    for field in fields:
+        bare = next(csv.reader([field], delimiter=";", skipinitialspace=True), [""])[0] if field else ""
+        wanted = number_of(bare, NO_NUMBER, decimal)
+        for row in (f"a;{field}\n", f'"a";{field}\n'):
+            scan = _core.Scanner(ord(";"), 2, False, False, []).scan(row.encode(), True)
+            if scan.wrong is not None:
+                continue
+            read = scan.numbers([1], ord(decimal), absent)[0]
+            found = None if read is None else read[0]
+            assert (found is None) == (wanted is None), field
+            assert found is None or np.array_equal(found, [wanted], equal_nan=True), field
 
 
 def texts(numbers: Any) -> list[str]:
@@ -166,33 +186,36 @@ def test_digits_are_those_of_arrow(random: np.random.Generator) -> None:
     distance = np.concatenate([*sizes, exact, [np.nan, np.inf, -np.inf]])
     bits = random.integers(0, 1 << 32, len(distance), dtype=np.uint32)
     uncertainty = np.where(np.arange(len(bits)) % 2, bits.view(np.float32), distance.astype(np.float32))
-    lines = _core.Lines.of(b"a\n" * len(distance), False)
-    assert lines is not None
+    lines = scanned(b"a\n" * len(distance), 1)
     codes = np.zeros(len(distance), np.int16)
-    written = lines.with_results(distance, uncertainty, codes, [b";"], b";", ord("."), True)
+    written = lines.with_results(distance, uncertainty, codes, [b";"], ord("."))
     found = written.tobytes().decode().split("\n")
     with np.errstate(over="ignore", invalid="ignore"):
         wanted = zip(texts(np.round(distance, 9)), texts(uncertainty), strict=True)
     assert found == [*(f"a;{one};{other};;" for one, other in wanted), ""]
-    for value, line in zip(distance[:count], found, strict=False):
-        assert line.split(";")[1] == _shortest(np.round(value, 9))
+
+
+def scanned(data: bytes, width: int) -> _core.Lines:
+    return _core.Scanner(ord(";"), width, True, False, []).scan(data, True)
 
 
 def test_lines_and_results_fit_each_other() -> None:
-    lines = _core.Lines.of(b"5,3\r\n6,1\r\n", True)
-    assert lines is not None
-    assert len(lines) == 2
-    assert _core.Lines.of(b"5,3\r\n6,1\r\n", False) is None
+    lines = scanned(b"5;3\r\n6;1", 2)
+    assert (len(lines), lines.taken, lines.count) == (2, 8, 2)
     distance, uncertainty, codes = np.ones(2), np.ones(2, np.float32), np.zeros(2, np.int16)
     with pytest.raises(ValueError, match="columns differ in length: the text has 2 rows, distance has 3"):
-        lines.with_results(np.ones(3), uncertainty, codes, [b","], b",", 46, True)
+        lines.with_results(np.ones(3), uncertainty, codes, [b";"], 46)
     with pytest.raises(IndexError, match="no status 1"):
-        lines.with_results(distance, uncertainty, codes + np.int16(1), [b","], b",", 46, True)
+        lines.with_results(distance, uncertainty, codes + np.int16(1), [b";"], 46)
     with pytest.raises(IndexError, match="no status"):
-        lines.with_results(distance, uncertainty, codes - np.int16(1), [b","], b",", 46, True)
-    written = lines.with_results(distance, uncertainty, codes, [b",", b"a,a"], b",", 46, False)
-    assert written.tobytes() == b"5,3,1,1,,\r\n6,1,1,1,,"
-    assert lines.numbers([0, 2], 2, 44, 46, [b""]) is None
+        lines.with_results(distance, uncertainty, codes - np.int16(1), [b";"], 46)
+    written = lines.with_results(distance, uncertainty, codes, [b";", b"a;a"], 46)
+    assert written.tobytes() == b"5;3;1;1;;\r\n6;1;1;1;;"
+    for places in ([0, 2], [1, 0], [1, 1]):
+        with pytest.raises(ValueError, match="do not ascend, or are beyond"):
+            lines.numbers(places, 46, [b""])
+    with pytest.raises(ValueError, match="a separator of ASCII"):
+        _core.Scanner(ord('"'), 2, True, False, [])
 
 
 @pytest.mark.parametrize("mark", ["", '"'])
@@ -209,12 +232,12 @@ def test_keys_and_times_beside_numbers(mark: str, tmp_path: Path, random: np.ran
         lines.append(",".join(mark + field + mark for field in own))
     drift = echocal.Model("cramer", {"drift": {"rate": 1e-6}})
     found: dict[str, list[bytes]] = {}
-    for name in ("core", "without Arrow", "field by field"):
+    for name in ("blocks", "without Arrow", "whole"):
         with way(name, 1 << 18):
             source.write_text("\n".join(lines))
             correct_files(source, tmp_path / f"{name}.csv", models=folder, by="sensor_id")
             source.write_text("\n".join(line.split(",", 1)[1] for line in lines))
             correct_files(source, tmp_path / f"{name}-drift.csv", drift)
         found[name] = [(tmp_path / f"{name}{end}.csv").read_bytes() for end in ("", "-drift")]
-    assert found["core"] == found["without Arrow"] == found["field by field"]
-    assert found["core"][0].count(b"no model for this key") > 30
+    assert found["blocks"] == found["without Arrow"] == found["whole"]
+    assert found["blocks"][0].count(b"no model for this key") > 30

@@ -25,7 +25,7 @@ LAYERS = (
     {"sweep", "calibrate", "engines"},
     {"budget"},
     {"virtual_bench", "correct"},
-    {"diagnose", "silicon", "echoes", "verify", "generated", "device_uncertainty", "recorded"},
+    {"diagnose", "silicon", "echoes", "verify", "generated", "device_uncertainty", "recorded", "further"},
     {"charts"},
     {"plots", "report", "firmware"},
     {"study", "explore", "per_unit", "emulation", "fleet", "watch", "accessor", "estimator"},

@@ -157,6 +157,23 @@ def test_one_log_in_each_dialect(dialect: str, run: Run, tmp_path: Path, random:
         assert watched(tmp_path / "whole.jsonl") == rows
 
 
+@pytest.mark.parametrize("end", ["20.1", '20.1,"two\nlin'])
+def test_a_last_row_that_is_cut_is_one_for_each(
+    end: str, run: Run, tmp_path: Path, random: np.random.Generator
+) -> None:
+    """It is still being written: its last field may go on, and the others are whole."""
+    plain = text(random) + f"2026-01-03T00:00:00,12000,{end}"
+    (tmp_path / "log.csv").write_text(plain)
+    with pytest.warns(echocal.DataWarning, match="1 cut line"):
+        read = echocal.read_observations(tmp_path / "log.csv")
+    assert (read.unusable[-1], round(1e6 * read.echo_time[-1])) == ("cut line", 12000)
+    assert run("correct", "log.csv", "--law", "linear", "-o", "out.csv", "--quiet") == (0, "")
+    assert corrected(tmp_path / "out.csv")[-1] == (None, None, "cut line")
+    words = ["--law", "linear", "--correct-only", "--once", "-o", "out.jsonl"]
+    assert run("watch", "log.csv", *words)[0] == 0
+    assert watched(tmp_path / "out.jsonl")[-1] == (None, None, "cut line")
+
+
 def test_a_pipe_is_refused_with_the_way_out(tmp_path: Path) -> None:
     """It gives its bytes once, and a file is opened twice."""
     reads, writes = os.pipe()

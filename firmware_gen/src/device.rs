@@ -26,17 +26,20 @@ pub enum Status {
     TemperatureOutOfRange,
     /// The humidity code is not accepted.
     HumidityOutOfRange,
+    /// The code of the further input is not accepted.
+    FurtherOutOfRange,
 }
 
 impl Status {
     /// Every status, in the order of its number.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 7] = [
         Self::Ok,
         Self::NoEcho,
         Self::TooNear,
         Self::TooFar,
         Self::TemperatureOutOfRange,
         Self::HumidityOutOfRange,
+        Self::FurtherOutOfRange,
     ];
 
     /// Its name in words.
@@ -49,6 +52,7 @@ impl Status {
             Self::TooFar => "too far",
             Self::TemperatureOutOfRange => "temperature out of range",
             Self::HumidityOutOfRange => "humidity out of range",
+            Self::FurtherOutOfRange => "further input out of range",
         }
     }
 
@@ -76,6 +80,21 @@ impl Device {
         std::iter::once(&self.echo).chain(&self.conditions)
     }
 
+    /// The statuses that it can have, in the order of their numbers.
+    #[must_use]
+    pub fn statuses(&self) -> &'static [Status] {
+        let without = Status::ALL.len() - 1;
+        &Status::ALL[..without + usize::from(self.further().is_some())]
+    }
+
+    /// The place among the conditions of the further input: neither the temperature nor the humidity.
+    #[must_use]
+    pub fn further(&self) -> Option<usize> {
+        let usual = ["temperature", "relative_humidity"];
+        let conditions = &mut self.conditions.iter();
+        conditions.position(|axis| !usual.contains(&axis.quantity.as_str()))
+    }
+
     /// The first echo code that is a time-out, if there is one.
     #[must_use]
     pub fn time_out(&self) -> Option<i64> {
@@ -94,6 +113,7 @@ impl Device {
         match axis.quantity.as_str() {
             "temperature" => Status::TemperatureOutOfRange,
             "relative_humidity" => Status::HumidityOutOfRange,
+            quantity if quantity != self.echo.quantity => Status::FurtherOutOfRange,
             _ if *code <= 0 || self.time_out().is_some_and(|first| *code >= first) => {
                 Status::NoEcho
             }
@@ -118,6 +138,13 @@ impl Device {
     #[must_use]
     pub fn codes(&self, row: usize) -> Vec<i64> {
         codes(&self.conditions, row)
+    }
+
+    /// The row of the steps of all conditions, counted from the first of each.
+    #[must_use]
+    pub fn row(&self, steps: &[usize]) -> usize {
+        let pairs = self.conditions.iter().zip(steps);
+        pairs.fold(0, |row, (axis, step)| row * axis.len() + step)
     }
 
     /// Rows that stand for all while forms are chosen: every code of the first condition, and about `columns` of the

@@ -1,4 +1,4 @@
-"""What a device measures, as integers: ticks of a timer, codes of a thermometer and of a hygrometer."""
+"""What a device measures, as integers: ticks of a timer, codes of a thermometer and of other sensors."""
 
 from collections.abc import Mapping
 from dataclasses import astuple, dataclass, fields
@@ -9,7 +9,16 @@ import numpy as np
 
 from echocal.errors import UsageError
 
-__all__ = ["EchoCodes", "HumidityCodes", "TemperatureCodes", "codes_of", "count", "numbers", "value_at"]
+__all__ = [
+    "EchoCodes",
+    "FurtherCodes",
+    "HumidityCodes",
+    "TemperatureCodes",
+    "codes_of",
+    "count",
+    "numbers",
+    "value_at",
+]
 
 _MOST_SHIFT = 24  # of codes of 32 bits 8 are left
 
@@ -85,6 +94,33 @@ class HumidityCodes:
     shift: float = 0
 
 
+@dataclass(frozen=True)
+class FurtherCodes:
+    """Integer codes of one further quantity of the air, the device or the echo: value = zero + lsb * code.
+
+    Parameters
+    ----------
+    quantity : str
+        Name of the quantity, such as ``"supply_voltage"``, ``"wind_speed"``, ``"angle"``, ``"amplitude"``,
+        ``"pressure"``; its unit is that of `echocal.quantities`.
+    lsb : float
+        Step of one code. Negative if the codes fall when the quantity rises.
+    low, high : float
+        Range that the firmware accepts.
+    zero : float
+        Value of code 0.
+    shift : int
+        Lowest bits of the code that the function drops, as for `TemperatureCodes`.
+    """
+
+    quantity: str
+    lsb: float
+    low: float
+    high: float
+    zero: float = 0.0
+    shift: float = 0
+
+
 Codes = TypeVar("Codes", EchoCodes, TemperatureCodes, HumidityCodes)
 
 
@@ -109,7 +145,9 @@ def codes_of(name: str, kind: type[Codes], request: Any) -> Codes:
     raise UsageError(message)
 
 
-def numbers(name: str, codes: TemperatureCodes | HumidityCodes) -> tuple[float, float, float, float, int]:
+def numbers(
+    name: str, codes: TemperatureCodes | HumidityCodes | FurtherCodes
+) -> tuple[float, float, float, float, int]:
     """Return step, ends, value of code 0 and dropped bits, as the core takes them.
 
     Raises

@@ -116,7 +116,7 @@ def explore(
     False
     """
     generate(model, target, max_error=max_error, **request)  # raises if the loosest bound cannot be met
-    forms = TWO_INPUTS if request.get("humidity") is not None else FORMS
+    forms = TWO_INPUTS if (request.get("humidity") or request.get("further")) is not None else FORMS
     searches = [(form, prefer) for form in forms for prefer in ("size", "speed")]
     found: dict[str, Firmware] = {}
     for done, (form, prefer) in enumerate(searches):

@@ -10,11 +10,20 @@ from typing import Any
 
 from echocal import _core, echoes, silicon
 from echocal.budget.stated import Uncertainties
-from echocal.codes import EchoCodes, HumidityCodes, TemperatureCodes, codes_of, count, numbers
+from echocal.codes import (
+    EchoCodes,
+    FurtherCodes,
+    HumidityCodes,
+    TemperatureCodes,
+    codes_of,
+    count,
+    numbers,
+)
 from echocal.conditions import columns
 from echocal.device_uncertainty import expanded_uncertainty
 from echocal.domain import describe
 from echocal.errors import BoundError, DomainWarning, UsageError
+from echocal.further import further_of
 from echocal.generated import Firmware
 from echocal.keywords import exact, keyword
 from echocal.model import Model
@@ -26,7 +35,15 @@ from echocal.registry import find_effect
 from echocal.reserved import RESERVED
 from echocal.thermistor import ThermistorCodes
 
-__all__ = ["EchoCodes", "Firmware", "HumidityCodes", "TemperatureCodes", "ThermistorCodes", "generate"]
+__all__ = [
+    "EchoCodes",
+    "Firmware",
+    "FurtherCodes",
+    "HumidityCodes",
+    "TemperatureCodes",
+    "ThermistorCodes",
+    "generate",
+]
 
 Progress = Callable[[str, int, int], object]
 
@@ -45,6 +62,7 @@ def generate(
     *,
     temperature: TemperatureCodes | ThermistorCodes | tuple[float, float, float] = _DS18B20,
     humidity: HumidityCodes | tuple[float, float, float] | None = None,
+    further: FurtherCodes | str | None = None,
     echo: echoes.Echo = None,
     output_unit: str = "um",
     output_type: str | None = None,
@@ -82,6 +100,8 @@ def generate(
     humidity : HumidityCodes or tuple of (lsb, low, high), optional
         Codes of the hygrometer [1]; default: the device has none. `echocal.sensors.SENSORS` has those of
         known parts.
+    further : FurtherCodes or str, optional
+        Codes of one further input, such as ``"supply_voltage=4.5:5.5:0.01"``; default: the device has none.
     echo : float, EchoCodes or tuple of (lsb, longest, shortest), optional
         Longest and shortest accepted echo time [us], and tick `lsb` of the timer [us], 1 us by default.
         The default of the shortest is the earliest echo from `echocal.echoes.BLANKING_M`. The default of the
@@ -182,6 +202,10 @@ def generate(
     if humidity_codes is not None and "relative_humidity" in assume:
         message = "relative_humidity is measured: it cannot be assumed as well"
         raise UsageError(message)
+    further_codes = None if further is None else further_of(further)
+    if further_codes is not None and further_codes.quantity in assume:
+        message = f"{further_codes.quantity} is measured: it cannot be assumed as well"
+        raise UsageError(message)
     air = _assumed(model, assume)
     request: dict[str, Any] = {
         "target": target,
@@ -192,6 +216,7 @@ def generate(
         "temperature": numbers("temperature", codes),
         "thermistor": None if thermistor is None else (*thermistor.scale(), thermistor.words()),
         "humidity": None if humidity_codes is None else numbers("humidity", humidity_codes),
+        "further": _further(further_codes),
         "output_unit": output_unit,
         "output_type": output_type,
         "maximum_error": float(max_error),
@@ -228,6 +253,11 @@ def generate(
     budget = expanded_uncertainty(model, made.report, {**model.air, **assume}, known)
     found = [silicon.measure(made, core_) for core_ in silicon.cores_of(target)] if measure else []
     return _firmware(core, [one.to_dict() for one in found if one is not None], budget)
+
+
+def _further(codes: FurtherCodes | None) -> tuple[str, tuple[float, float, float, float, int]] | None:
+    """Return the quantity of a further input and its codes, as the core takes them."""
+    return None if codes is None else (codes.quantity, numbers(codes.quantity, codes))
 
 
 def _median(window: int | None, gate: float | None) -> tuple[int, float | None] | None:

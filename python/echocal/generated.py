@@ -41,7 +41,11 @@ class Firmware:
         return str(self.report["device"]["output"]["unit"])
 
     def outputs(
-        self, echo: ArrayLike, temperature_code: ArrayLike, humidity_code: ArrayLike | None = None
+        self,
+        echo: ArrayLike,
+        temperature_code: ArrayLike,
+        humidity_code: ArrayLike | None = None,
+        further_code: ArrayLike | None = None,
     ) -> NDArray[np.int32]:
         """Return the outputs of the C function, bit for bit, in its `unit`.
 
@@ -53,6 +57,8 @@ class Firmware:
             Temperature codes, broadcast against `echo`.
         humidity_code : array_like of int, shape (...), optional
             Humidity codes, if the function takes them.
+        further_code : array_like of int, shape (...), optional
+            Codes of the further input, if the function takes one.
 
         Returns
         -------
@@ -62,12 +68,16 @@ class Firmware:
         Raises
         ------
         UsageError
-            If codes are not integers or do not broadcast; if humidity codes are missing or superfluous.
+            If codes are not integers or do not broadcast; if codes of a condition are missing or superfluous.
         """
-        return self._evaluated(echo, temperature_code, humidity_code)[0]
+        return self._evaluated(echo, temperature_code, humidity_code, further_code)[0]
 
     def status(
-        self, echo: ArrayLike, temperature_code: ArrayLike, humidity_code: ArrayLike | None = None
+        self,
+        echo: ArrayLike,
+        temperature_code: ArrayLike,
+        humidity_code: ArrayLike | None = None,
+        further_code: ArrayLike | None = None,
     ) -> NDArray[np.uint8]:
         """Return whether the function accepts codes, or why not, as its ``echocal_status`` does.
 
@@ -90,7 +100,7 @@ class Firmware:
         >>> [made.report["statuses"][code] for code in made.status([0, 50, 11_690, 30_000], 40)]
         ['no echo', 'too near', 'ok', 'too far']
         """
-        return self._evaluated(echo, temperature_code, humidity_code)[1]
+        return self._evaluated(echo, temperature_code, humidity_code, further_code)[1]
 
     def filtered(
         self, distances: ArrayLike, statuses: ArrayLike
@@ -149,17 +159,23 @@ class Firmware:
         return found
 
     def _evaluated(
-        self, echo: ArrayLike, temperature_code: ArrayLike, humidity_code: ArrayLike | None
+        self,
+        echo: ArrayLike,
+        temperature_code: ArrayLike,
+        humidity_code: ArrayLike | None,
+        further_code: ArrayLike | None,
     ) -> tuple[NDArray[np.int32], NDArray[np.uint8]]:
         """Outputs and statuses."""
         device = self.report["device"]
         given = {device["echo"]["name"]: np.asarray(echo), "temperature_code": np.asarray(temperature_code)}
-        takes = len(device["conditions"]) == 2
-        if takes != (humidity_code is not None):
-            message = f"this function takes {'a' if takes else 'no'} humidity_code"
-            raise UsageError(message)
-        if humidity_code is not None:
-            given["humidity_code"] = np.asarray(humidity_code)
+        others = {axis["quantity"] == "relative_humidity": axis["name"] for axis in device["conditions"][1:]}
+        for humid, codes in ((True, humidity_code), (False, further_code)):
+            if (humid in others) != (codes is not None):
+                what = "humidity_code" if humid else others.get(False, "further_code")
+                message = f"this function takes {'a' if humid in others else 'no'} {what}"
+                raise UsageError(message)
+            if codes is not None:
+                given[others[humid]] = np.asarray(codes)
         for name, code in given.items():
             if code.dtype.kind not in "iu":
                 message = f"{name} must be integer codes, but has dtype {code.dtype}"
@@ -175,7 +191,11 @@ class Firmware:
         return outputs.reshape(codes[0].shape), statuses.reshape(codes[0].shape)
 
     def distance_um(
-        self, echo_us: ArrayLike, temperature_code: ArrayLike, humidity_code: ArrayLike | None = None
+        self,
+        echo_us: ArrayLike,
+        temperature_code: ArrayLike,
+        humidity_code: ArrayLike | None = None,
+        further_code: ArrayLike | None = None,
     ) -> NDArray[np.int32]:
         """Return the outputs of a function that counts micrometers [um], as `outputs` does.
 
@@ -192,7 +212,7 @@ class Firmware:
         if self.unit != "um":
             message = f"this function returns {self.unit}: take outputs(...)"
             raise UsageError(message)
-        return self.outputs(echo_us, temperature_code, humidity_code)
+        return self.outputs(echo_us, temperature_code, humidity_code, further_code)
 
     def ranked_by(self) -> tuple[int, int]:
         """Return bytes and cycles by the cost model of the search; they are not measured.

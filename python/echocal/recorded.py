@@ -27,6 +27,7 @@ def recorded_command(
         target=request["target"],
         **_codes("temperature", request["temperature"], stepped=request["thermistor"] is None),
         **_codes("humidity", request["humidity"]),
+        further=_further(request["further"]),
         echo_lsb_us=None if tick == 1.0 else tick,
         echo_bits=None if bits == 16 else bits,
         echo_min_us=shortest,
@@ -56,6 +57,16 @@ def _millimeters(size: float) -> float:
     """The shortest number of millimeters that reads back to a size [m], as the command reads it."""
     texts = (float(f"{size * 1e3:.{digits}g}") for digits in range(1, 18))
     return next((text for text in texts if text * 1e-3 == size), size * 1e3)
+
+
+def _further(further: tuple[str, tuple[float, float, float, float, int]] | None) -> str | None:
+    """The option of a further input; none if there is none."""
+    if further is None:
+        return None
+    quantity, (lsb, low, high, zero, shift) = further
+    texts = [exact(one) for one in (low, high, lsb)]
+    texts += [exact(zero), *([str(shift)] if shift else [])] if zero or shift else []
+    return f"{quantity}={':'.join(texts)}"
 
 
 def _codes(

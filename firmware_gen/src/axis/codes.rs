@@ -1,6 +1,8 @@
 //! The codes of a condition as they are asked for, and what is particular to each quantity.
 
 use crate::types::IntegerType;
+use echocal_core::Quantity;
+use std::borrow::Cow;
 
 /// The codes of a condition, as they are asked for: LSB, ends and value of code 0 in the unit of the quantity.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -51,9 +53,9 @@ pub(super) const MOST_DROPPED: u32 = 24;
 
 /// What is particular to the codes of one quantity.
 pub(super) struct Kind {
-    pub(super) name: &'static str,
+    pub(super) name: Cow<'static, str>,
     pub(super) quantity: &'static str,
-    pub(super) words: &'static str,
+    pub(super) words: Cow<'static, str>,
     pub(super) unit: &'static str,
     /// Its unit in messages; a fraction is given as a number of this unit.
     pub(super) told: &'static str,
@@ -68,9 +70,9 @@ pub(super) struct Kind {
 }
 
 pub(super) const TEMPERATURE: Kind = Kind {
-    name: "temperature_code",
+    name: Cow::Borrowed("temperature_code"),
     quantity: "temperature",
-    words: "temperature",
+    words: Cow::Borrowed("temperature"),
     unit: "degC",
     told: "degC",
     possible: (f64::NEG_INFINITY, f64::INFINITY),
@@ -80,9 +82,9 @@ pub(super) const TEMPERATURE: Kind = Kind {
 };
 
 pub(super) const HUMIDITY: Kind = Kind {
-    name: "humidity_code",
+    name: Cow::Borrowed("humidity_code"),
     quantity: "relative_humidity",
-    words: "relative humidity",
+    words: Cow::Borrowed("relative humidity"),
     unit: "1",
     told: "(1 is 100 %)",
     possible: (0.0, 1.0),
@@ -96,8 +98,27 @@ pub(super) const HUMIDITY: Kind = Kind {
     ],
 };
 
-/// Every quantity that a device may have codes of.
-pub(super) const KINDS: [&Kind; 2] = [&TEMPERATURE, &HUMIDITY];
+impl Kind {
+    /// What is particular to the codes of a quantity; `None` if there is no such quantity.
+    pub(super) fn of(quantity: &str) -> Option<Self> {
+        let facts = Quantity::find(quantity)?.facts();
+        Some(match facts.quantity {
+            Quantity::Temperature => TEMPERATURE,
+            Quantity::RelativeHumidity => HUMIDITY,
+            _ => Self {
+                name: format!("{}_code", facts.name).into(),
+                quantity: facts.name,
+                words: facts.name.replace('_', " ").into(),
+                unit: facts.unit,
+                told: facts.unit,
+                possible: (f64::NEG_INFINITY, f64::INFINITY),
+                usual: facts.field,
+                wide: false,
+                types: &[IntegerType::U16, IntegerType::I16, IntegerType::U32],
+            },
+        })
+    }
+}
 
 /// The first type that holds the codes, those between the ends of the usual range included where a code outside could
 /// otherwise wrap to an accepted one.

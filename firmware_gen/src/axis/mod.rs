@@ -4,7 +4,8 @@ mod codes;
 
 use crate::error::Error;
 use crate::types::{IntegerType, Range};
-use codes::{HUMIDITY, KINDS, Kind, MOST_DROPPED, TEMPERATURE, parameter_type};
+use codes::{HUMIDITY, Kind, MOST_DROPPED, TEMPERATURE, parameter_type};
+use echocal_core::Quantity;
 use serde::Serialize;
 
 pub use codes::Codes;
@@ -146,7 +147,7 @@ impl Axis {
             |most, step| if step.abs() > most.abs() { *step } else { most },
         );
         Ok(Self {
-            name: TEMPERATURE.name.into(),
+            name: TEMPERATURE.name.into_owned(),
             quantity: TEMPERATURE.quantity.into(),
             unit: TEMPERATURE.unit.into(),
             lsb,
@@ -183,15 +184,13 @@ impl Axis {
     /// If no device has codes of it, or if the range is empty, not finite, not possible, or needs codes that no type of
     /// the parameter holds.
     pub fn of(quantity: &str, codes: Codes) -> Result<Self, Error> {
-        let found = KINDS.iter().find(|kind| kind.quantity == quantity);
-        let kind = found.ok_or_else(|| {
-            let known: Vec<_> = KINDS.iter().map(|kind| kind.quantity).collect();
-            let known = known.join(", ");
+        let kind = Kind::of(quantity).ok_or_else(|| {
+            let known = Quantity::ALL.map(|facts| facts.name).join(", ");
             Error::Codes(format!(
                 "no device has codes of {quantity}; this version has those of {known}"
             ))
         })?;
-        Self::condition(kind, codes)
+        Self::condition(&kind, codes)
     }
 
     fn condition(kind: &Kind, asked: Codes) -> Result<Self, Error> {
@@ -252,7 +251,7 @@ impl Axis {
             return Err(Error::Codes(format!("{what} holds no code{dropped}")));
         }
         Ok(Self {
-            name: kind.name.into(),
+            name: kind.name.clone().into_owned(),
             quantity: kind.quantity.into(),
             unit: kind.unit.into(),
             lsb,
@@ -316,6 +315,12 @@ impl Axis {
     #[must_use]
     pub fn code(&self, place: usize) -> i64 {
         (self.steps().minimum + place as i64) << self.shift
+    }
+
+    /// Its name without its end, as names in a program begin.
+    #[must_use]
+    pub fn word(&self) -> &str {
+        self.name.trim_end_matches("_code")
     }
 
     /// Whether the codes fall as the quantity rises.

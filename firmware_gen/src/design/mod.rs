@@ -1,6 +1,8 @@
 //! The search for the form and the format of least cost that meet the error bound.
 
 mod bend;
+mod candidate;
+mod frame;
 mod request;
 mod search;
 #[cfg(test)]
@@ -9,7 +11,8 @@ mod unreachable;
 
 use crate::error::Error;
 use crate::form;
-use search::{Candidate, Search};
+use candidate::Candidate;
+use search::Search;
 
 pub use request::{Design, Failure, Listen, Progress, Reachable, Request};
 
@@ -23,7 +26,11 @@ const REFINED: usize = 200;
 /// [`Error::Bound`] with the best design if none does; [`Error::Model`] if the model itself fails somewhere.
 pub fn design(request: Request<'_>, listen: Listen<'_>) -> Result<Design, Failure> {
     check(&request)?;
-    let search = Search::new(request)?;
+    let made = std::cell::OnceCell::new();
+    let search = Search::new(request, |picked, lines| {
+        let found = frame::frames(&request, picked, lines)?;
+        Ok(made.get_or_init(|| found))
+    })?;
     // The cheapest last; rounding can make a candidate dearer, which then waits for its turn again.
     let key = |candidate: &Candidate<'_>| std::cmp::Reverse(request.prefer.key(candidate.cost));
     let mut candidates = search.candidates();
@@ -80,10 +87,10 @@ fn check(request: &Request<'_>) -> Result<(), Error> {
         )));
     }
     check_form(request)?;
-    if !(1..=2).contains(&request.device.conditions.len()) {
-        let given = request.device.conditions.len();
+    let (given, further) = (request.device.conditions.len(), request.device.further());
+    if !(1..=2 + usize::from(further.is_some())).contains(&given) {
         return Err(Error::Request(format!(
-            "the device has {given} condition inputs; this version designs for one or two"
+            "the device has {given} condition inputs; this version designs for one or two, and a further one"
         )));
     }
     Ok(())
@@ -100,6 +107,9 @@ fn check_form(request: &Request<'_>) -> Result<(), Error> {
             "unknown form '{form}'; this version has {}",
             known.join(", ")
         )));
+    }
+    if request.device.further().is_some() {
+        return Ok(()); // which conditions a form reads depends on what the further input changes
     }
     match (form::reads_two(form), request.device.conditions.len()) {
         (true, 1) => Err(Error::Request(format!(

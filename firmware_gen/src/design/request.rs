@@ -2,7 +2,7 @@
 
 use crate::device::Device;
 use crate::error::Error;
-use crate::form::{Form, Tail};
+use crate::form::{Form, Gain, Shift, Tail};
 use crate::ir::Program;
 use crate::prove::Proof;
 use crate::reference::Reference;
@@ -52,6 +52,10 @@ impl Request<'_> {
 pub struct Design {
     /// How the speed factor is computed.
     pub form: Box<dyn Form>,
+    /// What is taken off the echo code before, where one condition sets a delay.
+    pub shift: Option<Shift>,
+    /// What the speed factor is multiplied by after, where a further input beside the humidity sets it.
+    pub gain: Option<Gain>,
     /// How the distance is computed from it.
     pub tail: Tail,
     /// The function.
@@ -61,6 +65,15 @@ pub struct Design {
 }
 
 impl Design {
+    /// How the speed factor is computed, in words, and what sets a delay.
+    #[must_use]
+    pub fn describe(&self, device: &Device) -> String {
+        let gain = self.gain.as_ref().map(|gain| gain.describe(device));
+        let shift = self.shift.as_ref().map(|shift| shift.describe(device));
+        let parts = [Some(self.form.describe()), gain, shift];
+        parts.into_iter().flatten().collect::<Vec<_>>().join("; ")
+    }
+
     /// What the generated function returns for `inputs`, also for codes out of range.
     #[must_use]
     pub fn output(&self, device: &Device, inputs: &[i64]) -> i32 {

@@ -1,60 +1,23 @@
 //! Candidates: every form in every format, refined, screened and proven.
 
 use super::bend::Bend;
-use super::request::{Design, Listen, Progress, Request};
+use super::candidate::Candidate;
+use super::frame::{Frame, rows};
+use super::request::{Listen, Progress, Request};
+use crate::device::Device;
 use crate::error::Error;
 use crate::form::{
     BENT_FORMS, Fit, Form, Propose, TEMPERATURE_FORMS, TWO_CONDITION_FORMS, Tail, reads_two,
 };
 use crate::ir::{Builder, Program};
 use crate::prove::{Claim, Proof, Straight, prove};
-use crate::reference::{Line, check_bounded, check_type, sample};
+use crate::reference::{Line, check_bounded, check_type};
 use crate::target::Cost;
 use std::rc::Rc;
 
-/// One form in one format.
-pub(super) struct Candidate<'a> {
-    /// What the form must follow.
-    fit: Rc<Fit<'a>>,
-    pub(super) form: Box<dyn Form>,
-    tail: Tail,
-    /// Error that the tail leaves whatever the form does \[unit\].
-    rest: f64,
-    /// Error that rounding to a whole unit adds in any case \[unit\].
-    rounding: f64,
-    /// Error found at a few echo times of every row \[unit\]; infinite until refined.
-    pub(super) screened: f64,
-    pub(super) cost: Cost,
-}
-
-impl Candidate<'_> {
-    /// The error that it cannot undercut \[unit\].
-    pub(super) fn floor(&self) -> f64 {
-        self.form.floor().max(self.rest) + self.rounding
-    }
-
-    /// The error that it can hardly undercut, from what its parts reach as they are rounded \[unit\].
-    pub(super) fn least(&self) -> f64 {
-        SURE.mul_add(self.form.least(&self.fit).max(self.rest), self.rounding)
-    }
-
-    /// The error that it probably has \[unit\].
-    pub(super) fn likely(&self) -> f64 {
-        self.form.likely(&self.fit).max(self.rest) + self.rounding
-    }
-
-    pub(super) fn proven(self, program: Program, proof: Proof) -> Design {
-        Design {
-            form: self.form,
-            tail: self.tail,
-            program,
-            proof,
-        }
-    }
-}
-
 pub(super) struct Search<'a> {
     pub(super) request: Request<'a>,
+    frames: &'a [Frame],
     /// Rows that stand for all until the proof.
     picked: Vec<usize>,
     lines: Vec<Line>,
@@ -64,11 +27,9 @@ pub(super) struct Search<'a> {
     farthest: f64,
 }
 
-/// Columns of the second condition that the search samples. Set by hand; the proof checks all.
-const COLUMNS: usize = 17;
 /// Rows from which the cost of a candidate is estimated. Set by hand; the types follow from all rows before the proof.
 const ENOUGH: usize = 400;
-/// If there are many rows, every fifth is screened. No divisor of [`COLUMNS`], so that all columns are seen.
+/// If there are many rows, every fifth is screened. No divisor of the columns, so that all columns are seen.
 const STRIDE: usize = 5;
 /// Error that rounding down adds \[unit\]. It approaches 1; some margin is left, so that no candidate is dropped too early.
 const CUT_OFF: f64 = 0.9;
@@ -76,21 +37,25 @@ const CUT_OFF: f64 = 0.9;
 const TOGETHER: f64 = 0.98;
 /// A refined candidate is screened if its error is at most this share of the bound. Set by hand.
 const SLACK: f64 = 1.02;
-/// Share of a part's own error that remains in the whole form; joint rounding may save the rest. Set by hand.
-const SURE: f64 = 0.9;
+/// Least share of the room that a form has beside a delay. Set by hand: it only keeps the room positive.
+const LEAST_ROOM: f64 = 0.05;
 
 impl<'a> Search<'a> {
-    pub(super) fn new(request: Request<'a>) -> Result<Self, Error> {
+    /// Sample the model. `make` gives what forms can follow, which outlives the search.
+    pub(super) fn new(
+        request: Request<'a>,
+        make: impl FnOnce(&[usize], &[Line]) -> Result<&'a [Frame], Error>,
+    ) -> Result<Self, Error> {
         let Request {
             reference,
             device,
             maximum_distance,
             ..
         } = request;
-        let picked = device.thinned(COLUMNS);
-        let lines = sample(reference, device, &picked, maximum_distance)?;
+        let (picked, lines) = rows(&request)?;
         check_bounded(reference, device, &lines, maximum_distance)?;
         check_type(reference, device, &picked)?;
+        let frames = make(&picked, &lines)?;
         let truths = lines.iter().flat_map(Line::samples);
         let farthest = truths.fold(0.0_f64, |most, (_, truth)| {
             most.max((truth - truth.round()).abs())
@@ -99,6 +64,7 @@ impl<'a> Search<'a> {
         Ok(Self {
             bend,
             request,
+            frames,
             picked,
             lines,
             farthest,
@@ -106,52 +72,62 @@ impl<'a> Search<'a> {
     }
 
     pub(super) fn candidates(&self) -> Vec<Candidate<'a>> {
+        let framed = self.frames.iter().flat_map(|frame| self.framed(frame));
+        framed.chain(self.bent()).collect()
+    }
+
+    /// The candidates of forms that follow a frame.
+    fn framed(&self, frame: &'a Frame) -> Vec<Candidate<'a>> {
         let of_tail = |tail: &Tail| {
-            let fit = Rc::new(self.fit(tail, &self.lines));
-            let rest = tail.rest(&self.lines);
+            let fit = Rc::new(self.fit(tail, frame, &frame.lines));
+            let rest = tail.rest(&frame.lines);
             // A second condition of one code is checked, and adds nothing.
-            let two = self.request.device.varied() == 2 || self.request.form.is_some_and(reads_two);
+            let two = frame.device.varied() == 2 || self.request.form.is_some_and(reads_two);
             let forms = if two {
                 TWO_CONDITION_FORMS
             } else {
                 TEMPERATURE_FORMS
             };
-            self.proposed(forms, (*tail, rest), &fit)
+            self.proposed(forms, (*tail, rest, frame), &fit)
         };
-        let tails = self.tails(&self.lines);
-        tails.iter().flat_map(of_tail).chain(self.bent()).collect()
+        let mut tails = self.tails(&frame.lines, &frame.device);
+        // A factor without its first bit cannot be multiplied.
+        tails.retain(|tail| !(tail.leading && frame.gain.is_some()));
+        tails.iter().flat_map(of_tail).collect()
     }
 
     /// The candidates of forms that bend, where the distances do.
     fn bent(&self) -> Vec<Candidate<'a>> {
-        let Some(bend) = &self.bend else {
+        let frame = self.frames.iter().find(|frame| frame.shift.is_none());
+        let (Some(bend), Some(frame)) = (&self.bend, frame) else {
             return Vec::new();
         };
         let of_tail = |tail: &Tail| {
             let fit = Fit {
                 samples: bend.samples(tail),
-                ..self.fit(tail, &bend.lines)
+                ..self.fit(tail, frame, &bend.lines)
             };
             // The factor makes up for what delay and offset leave: nothing is known of the least.
-            self.proposed(BENT_FORMS, (*tail, 0.0), &Rc::new(fit))
+            self.proposed(BENT_FORMS, (*tail, 0.0, frame), &Rc::new(fit))
         };
-        self.tails(&bend.lines).iter().flat_map(of_tail).collect()
+        let tails = self.tails(&bend.lines, &frame.device);
+        tails.iter().flat_map(of_tail).collect()
     }
 
     /// The candidates of some forms in one format.
     fn proposed(
         &self,
         forms: &[(&str, Propose)],
-        (tail, rest): (Tail, f64),
+        (tail, rest, frame): (Tail, f64, &'a Frame),
         fit: &Rc<Fit<'a>>,
     ) -> Vec<Candidate<'a>> {
-        let cost = self.cost_of(&tail);
+        let cost = self.cost_of(&tail, frame);
         let wanted = |name: &str| self.request.form.is_none_or(|form| form == name);
         let proposals = forms.iter().filter(|(name, _)| wanted(name));
         let forms: Vec<_> = proposals.flat_map(|(_, propose)| propose(fit)).collect();
         let candidates = forms.into_iter();
         candidates
-            .filter_map(|form| self.candidate(form, (tail, cost, rest), fit))
+            .filter_map(|form| self.candidate(form, (tail, cost, rest), frame, fit))
             .collect()
     }
 
@@ -177,19 +153,20 @@ impl<'a> Search<'a> {
     }
 
     /// The formats that could meet the bound; if none can, all of them, so that the best can be reported.
-    fn tails(&self, lines: &[Line]) -> Vec<Tail> {
-        let all = Tail::propose(lines, self.request.device, self.request.target);
+    fn tails(&self, lines: &[Line], device: &Device) -> Vec<Tail> {
+        let all = Tail::propose(lines, device, self.request.target);
         let able = |tail: &&Tail| self.rounding(tail) < self.bound();
         let kept: Vec<Tail> = all.iter().filter(able).copied().collect();
         if kept.is_empty() { all } else { kept }
     }
 
-    fn fit(&self, tail: &Tail, lines: &[Line]) -> Fit<'a> {
+    fn fit(&self, tail: &Tail, frame: &'a Frame, lines: &[Line]) -> Fit<'a> {
         let unit = f64::from(tail.scale_bits).exp2();
+        let room = self.room(tail);
         Fit {
-            device: self.request.device,
-            picked: self.picked.clone(),
-            bound: self.room(tail),
+            device: &frame.device,
+            picked: frame.picked.clone(),
+            bound: (room - frame.rest()).max(LEAST_ROOM * room),
             maximum_table: self.request.maximum_table,
             samples: Vec::new(),
             target: lines.iter().map(|line| tail.target(line)).collect(),
@@ -204,6 +181,7 @@ impl<'a> Search<'a> {
         &self,
         form: Box<dyn Form>,
         (tail, cost_of_tail, rest): (Tail, Cost, f64),
+        frame: &'a Frame,
         fit: &Rc<Fit<'a>>,
     ) -> Option<Candidate<'a>> {
         if let Some(cost) = form.estimate() {
@@ -212,6 +190,7 @@ impl<'a> Search<'a> {
                 fit: Rc::clone(fit),
                 form,
                 tail,
+                frame,
                 rest,
                 rounding: self.rounding(&tail),
                 screened: f64::INFINITY,
@@ -225,13 +204,14 @@ impl<'a> Search<'a> {
         } else {
             few.collect()
         };
-        let program = self.program(form.as_ref(), &tail, rows)?;
+        let program = self.program((form.as_ref(), &tail, frame), rows)?;
         let allowed = program.table_bytes() <= self.request.maximum_table;
         let cost = self.request.target.cost(&program);
         allowed.then(|| Candidate {
             fit: Rc::clone(fit),
             form,
             tail,
+            frame,
             rest,
             rounding: self.rounding(&tail),
             screened: f64::INFINITY,
@@ -240,19 +220,35 @@ impl<'a> Search<'a> {
     }
 
     /// What the steps from a speed factor to the distance cost.
-    fn cost_of(&self, tail: &Tail) -> Cost {
+    fn cost_of(&self, tail: &Tail, frame: &Frame) -> Cost {
         let rows = vec![self.picked[0]];
         let mut builder = Builder::over(self.request.device, self.request.target.least_bits, rows);
-        let factor = builder.constant(tail.target(&self.lines[0]).round() as i64);
+        if let Some(shift) = &frame.shift {
+            shift.build(&mut builder);
+        }
+        let mut factor = builder.constant(tail.target(&frame.lines[0]).round() as i64);
+        if let Some(gain) = &frame.gain {
+            factor = gain.build(&mut builder, factor);
+        }
         let distance = tail.build(&mut builder, factor);
         let program = builder.finish(distance);
         program.map_or_else(Cost::default, |program| self.request.target.cost(&program))
     }
 
     /// The function, its types following from `rows`.
-    fn program(&self, form: &dyn Form, tail: &Tail, rows: Vec<usize>) -> Option<Program> {
+    fn program(
+        &self,
+        (form, tail, frame): (&dyn Form, &Tail, &Frame),
+        rows: Vec<usize>,
+    ) -> Option<Program> {
         let mut builder = Builder::over(self.request.device, self.request.target.least_bits, rows);
-        let factor = form.build(&mut builder);
+        if let Some(shift) = &frame.shift {
+            shift.build(&mut builder);
+        }
+        let mut factor = form.build(&mut builder);
+        if let Some(gain) = &frame.gain {
+            factor = gain.build(&mut builder, factor);
+        }
         let distance = tail.build(&mut builder, factor);
         let mut program = builder.finish(distance)?;
         if program.widest() > self.request.widest {
@@ -281,7 +277,7 @@ impl<'a> Search<'a> {
     /// Build the program and look at a few echo times of every row; `false` if there is no program.
     pub(super) fn look_at(&self, candidate: &mut Candidate<'_>) -> bool {
         let rows = self.picked.clone();
-        let Some(program) = self.program(candidate.form.as_ref(), &candidate.tail, rows) else {
+        let Some(program) = self.program(candidate.parts(), rows) else {
             return false;
         };
         if program.table_bytes() > self.request.maximum_table {
@@ -332,7 +328,7 @@ impl<'a> Search<'a> {
     ) -> Result<(Program, Proof), Error> {
         let all = (0..self.request.device.rows()).collect();
         let program = self
-            .program(candidate.form.as_ref(), &candidate.tail, all)
+            .program(candidate.parts(), all)
             .ok_or_else(|| Error::Proof("a value fits no type".into()))?;
         if !listen(Progress::Candidate(&candidate.form.describe())) {
             return Err(Error::Stopped);

@@ -1,5 +1,6 @@
 //! The floor of a candidate must lie below what it turns out to reach: above it, the search throws the candidate away.
 
+use super::frame::frames;
 use super::search::Search;
 use super::{Error, Request};
 use crate::device::{Axis, Device};
@@ -34,7 +35,11 @@ fn floors(shortest: f64, output: Output) -> Vec<(f64, f64)> {
         prefer: Prefer::parse("size").unwrap(),
         threads: 2,
     };
-    let search = Search::new(request).unwrap();
+    let made = std::cell::OnceCell::new();
+    let search = Search::new(request, |picked, lines| {
+        Ok(made.get_or_init(|| frames(&request, picked, lines).unwrap()))
+    });
+    let search = search.unwrap();
     let mut found = Vec::new();
     for mut candidate in search.candidates() {
         let floor = candidate.floor();

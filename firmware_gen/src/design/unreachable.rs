@@ -1,7 +1,8 @@
 //! What is reported if no candidate meets the bound: the smallest error that is possible.
 
+use super::candidate::Candidate;
 use super::request::{Design, Failure, Listen, Reachable};
-use super::search::{Candidate, Search};
+use super::search::Search;
 use crate::error::Error;
 use crate::form::is_bent;
 

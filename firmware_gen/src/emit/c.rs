@@ -123,6 +123,10 @@ impl Text<'_> {
         }
     }
 
+    fn is_zero(&self, value: Value) -> bool {
+        self.program.node(value).operation == Operation::Constant(0)
+    }
+
     fn modulo(&self, node: &Node, a: Value, sign: &str, b: Value) -> String {
         let operand = |value| self.read(value, node.held);
         format!(
@@ -211,6 +215,15 @@ impl Text<'_> {
                 };
             }
             Operation::Add(a, b) => format!("{} + {}", operand(a), operand(b)),
+            // MISRA C:2012, rule 2.2, takes a literal 0 for an operation without effect.
+            Operation::Subtract(a, b) if node.computed.is_signed() && self.is_zero(a) => {
+                format!("-{}", operand(b))
+            }
+            // avr-gcc warns of a sign that changes where the right operand is a converted `uint8_t`: no sign does.
+            Operation::Subtract(a, b) if node.computed == IntegerType::U8 => {
+                let operand = |value| self.read(value, IntegerType::U16);
+                format!("{} - {}", operand(a), operand(b))
+            }
             Operation::Subtract(a, b) => format!("{} - {}", operand(a), operand(b)),
             Operation::Multiply(a, b) => format!("{} * {}", operand(a), operand(b)),
             Operation::ShiftRight(a, bits) => format!("{} >> {bits}", operand(a)),

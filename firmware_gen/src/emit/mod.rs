@@ -74,6 +74,11 @@ struct ParameterText<'a> {
     lsb: f64,
     zero: f64,
     meaning: String,
+    /// Whether it is neither echo, temperature nor humidity.
+    further: bool,
+    /// The code in the middle of those that are accepted, and what it stands for.
+    middle: i64,
+    middle_value: String,
     /// Bits that the function drops, and codes in a step.
     shift: u32,
     step: i64,
@@ -84,7 +89,9 @@ struct ParameterText<'a> {
     last: i64,
 }
 
-fn parameter(axis: &Axis) -> ParameterText<'_> {
+fn parameter<'a>(axis: &'a Axis, device: &Device) -> ParameterText<'a> {
+    let further = device.further().map(|place| &device.conditions[place]);
+    let middle = axis.code(axis.len() / 2);
     let zero = if axis.zero == 0.0 {
         String::new()
     } else {
@@ -106,6 +113,9 @@ fn parameter(axis: &Axis) -> ParameterText<'_> {
         lsb: axis.lsb,
         zero: axis.zero,
         meaning,
+        further: further == Some(axis),
+        middle,
+        middle_value: axis.with_unit(axis.value(middle)),
         shift: axis.shift,
         step: 1 << axis.shift,
         least: axis.ty.range().minimum,
@@ -206,7 +216,7 @@ fn function_text(design: &Design, device: &Device, name: &str) -> minijinja::Val
     context! {
         unchecked => unchecked.map(|axis| axis.name.as_str()).collect::<Vec<_>>(),
         middle => locals.iter().any(|local| local.expression.contains(&middle)),
-        parameters => device.axes().map(parameter).collect::<Vec<_>>(),
+        parameters => device.axes().map(|axis| parameter(axis, device)).collect::<Vec<_>>(),
         outside => device.axes().flat_map(outside).collect::<Vec<_>>(),
         wraps => device.axes().any(wraps),
         unused => unused.collect::<Vec<_>>(),
@@ -214,7 +224,7 @@ fn function_text(design: &Design, device: &Device, name: &str) -> minijinja::Val
         tables => tables.map(|table| table_text(table, name)).collect::<Vec<_>>(),
         table_bytes => design.program.table_bytes(),
         program_memory => design.program.tables.iter().any(|table| table.program_memory),
-        form => design.form.describe(),
+        form => design.describe(device),
         name => format!("{name}_distance_{}", device.output.suffix()),
         suffix => device.output.suffix(),
         ty => device.output.ty.c_name(),

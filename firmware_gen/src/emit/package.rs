@@ -35,6 +35,9 @@ const SKETCH: (f64, f64) = (0.0, LONGEST);
 /// Finest step of a condition \[degC, 1\] that the sketches make codes of: they count in 1e-6. Set by hand: 1 % of it.
 const FINEST: f64 = 1e-4;
 
+/// Packagings whose files name the sensors that they read.
+const WITHOUT_FURTHER: [&str; 2] = ["esphome", "micropython"];
+
 /// Every packaging. To add one, write its templates and add its lines.
 pub const PACKAGES: &[Package] = &[
     Package {
@@ -195,6 +198,7 @@ impl Package {
     pub fn check(&self, device: &Device) -> Result<(), Error> {
         let echo = &device.echo;
         self.check_codes(device)?;
+        self.check_further(device)?;
         let (shortest, longest) = self.pulses;
         let [first, last] = [echo.codes.minimum, echo.codes.maximum].map(|code| echo.us(code));
         if first >= shortest && last <= longest {
@@ -206,12 +210,26 @@ impl Package {
         )))
     }
 
+    fn check_further(&self, device: &Device) -> Result<(), Error> {
+        match device.further() {
+            Some(place) if WITHOUT_FURTHER.contains(&self.name) => Err(Error::Request(format!(
+                "the package {} reads temperature and humidity, and {} is a further input: choose another package",
+                self.name, device.conditions[place].name
+            ))),
+            _ => Ok(()),
+        }
+    }
+
     fn check_codes(&self, device: &Device) -> Result<(), Error> {
         if !self.makes_codes {
             return Ok(());
         }
         let name = self.name;
-        let fine = |axis: &&Axis| axis.lsb.abs() < FINEST && axis.curve.is_none();
+        let further = device.further().map(|place| &device.conditions[place].name);
+        // The example makes no codes of a further input: the user does.
+        let fine = |axis: &&Axis| {
+            axis.lsb.abs() < FINEST && axis.curve.is_none() && Some(&axis.name) != further
+        };
         let refused = if device.echo.ty != IntegerType::U16 {
             "a timer of 32 bits".into()
         } else if let Some(axis) = device.conditions.iter().find(|axis| axis.curve.is_some()) {

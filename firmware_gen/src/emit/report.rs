@@ -2,7 +2,7 @@
 
 use super::reach::Reach;
 use crate::design::Design;
-use crate::device::{Device, Status};
+use crate::device::Device;
 use crate::filter::Filter;
 use crate::prove::Worst;
 use serde::{Deserialize, Serialize};
@@ -115,13 +115,13 @@ pub fn report(
         "provenance": provenance,
         "model_hash": provenance.model_hash,
         "name": provenance.name,
-        "statuses": Status::ALL.map(Status::words),
+        "statuses": device.statuses().iter().map(|status| status.words()).collect::<Vec<_>>(),
         "first_time_out_code": device.time_out(),
         "target": provenance.target,
         "assumptions": provenance.assumptions,
         "omissions": provenance.omissions,
         "device": device,
-        "form": form(design),
+        "form": form(design, device),
         "error_bound_m": provenance.maximum_error,
         "maximum_distance_m": provenance.maximum_distance,
         "error_proven_m": proof.bounded.error * device.output.lsb,
@@ -147,13 +147,20 @@ pub fn report(
     serde_json::to_string_pretty(&report).map_or_else(|error| error.to_string(), |text| text + "\n")
 }
 
-fn form(design: &Design) -> Value {
-    json!({
+fn form(design: &Design, device: &Device) -> Value {
+    let mut form = json!({
         "name": design.form.name(),
-        "description": design.form.describe(),
+        "description": design.describe(device),
         "parameters": design.form.parameters(),
         "tail": design.tail,
-    })
+    });
+    if let Some(shift) = &design.shift {
+        form["delay"] = shift.parameters(device);
+    }
+    if let Some(gain) = &design.gain {
+        form["factor"] = gain.parameters(device);
+    }
+    form
 }
 
 /// The codes of an input, and the conditions they stand for.

@@ -20,7 +20,7 @@ pub(super) fn statuses(device: &Device) -> Vec<StatusText> {
         words: status.words(),
         tests: tests(device, status),
     };
-    Status::ALL.into_iter().map(text).collect()
+    device.statuses().iter().copied().map(text).collect()
 }
 
 fn tests(device: &Device, status: Status) -> Vec<String> {
@@ -50,6 +50,10 @@ fn tests(device: &Device, status: Status) -> Vec<String> {
         )],
         Status::TemperatureOutOfRange => return condition("temperature"),
         Status::HumidityOutOfRange => return condition("relative_humidity"),
+        Status::FurtherOutOfRange => {
+            let axis = device.further().map(|place| &device.conditions[place]);
+            return axis.into_iter().flat_map(outside).collect();
+        }
     };
     tests.into_iter().flatten().collect()
 }

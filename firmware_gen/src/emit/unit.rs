@@ -24,7 +24,7 @@ pub fn unit_files(
     let layout: Value = serde_json::from_str(layout)
         .map_err(|error| Error::Template(format!("of the unit data: {error}")))?;
     let context = context! {
-        parameters => device.axes().map(parameter).collect::<Vec<_>>(),
+        parameters => device.axes().map(|axis| parameter(axis, device)).collect::<Vec<_>>(),
         function => format!("{name}_distance_{}", device.output.unit),
         output_unit => device.output.unit,
         time_out => device.time_out(),

@@ -1,5 +1,6 @@
 //! A uniform table in two conditions, a power of two of codes between entries, linear between them both ways.
 
+use super::additive::words;
 use super::contract::{Fit, Form};
 use super::plane::Plane;
 use super::steps::{floor_shift, plus, second_index, temperature_index};
@@ -175,8 +176,9 @@ impl Form for Grid {
     fn build(&self, builder: &mut Builder<'_>) -> Value {
         let temperature = temperature_index(builder);
         let humidity = second_index(builder);
+        let second = words(&builder.device().conditions[1]);
         let note =
-            "speed factors: one row for each temperature, one column for each humidity".into();
+            format!("speed factors: one row for each temperature, one column for each {second}");
         let table = builder.table("speed", note, self.entries.clone());
         let row = builder.shift_right(temperature, self.bits.0);
         let columns = builder.constant(self.columns as i64);
@@ -194,7 +196,7 @@ impl Form for Grid {
         let along = builder.name(
             along,
             "along",
-            "position in the cell along humidity [codes]",
+            format!("position in the cell along {second} [codes]"),
         );
         let [a, b, c, d] =
             [0, 1, self.columns, self.columns + 1].map(|more| entry(builder, table, cell, more));

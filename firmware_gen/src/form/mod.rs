@@ -8,6 +8,7 @@ mod adapted;
 mod additive;
 mod bent;
 mod contract;
+mod delays;
 mod factored;
 mod full_table;
 mod grid;
@@ -15,12 +16,15 @@ mod interpolated_table;
 mod plane;
 mod polynomial;
 mod segments;
+mod shift;
 mod square;
 mod steps;
 mod tail;
 mod temperature;
 
 pub use contract::{Fit, Form, Propose, Sample, factors};
+pub use delays::Delays;
+pub use shift::{Choice, Gain, Shift};
 pub use tail::Tail;
 pub use temperature::FORMS as TEMPERATURE_FORMS;
 

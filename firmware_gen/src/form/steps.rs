@@ -8,24 +8,25 @@ use crate::ir::{Builder, Value};
 /// 16 bits by more than two units.
 pub(super) const INDEX_STARTS: i64 = 16;
 
-/// The temperature code counted from the coldest code that the function accepts.
+/// The code of the condition that a form of one condition reads, usually the temperature, counted from the first that
+/// the function accepts.
 pub(super) fn temperature_index(builder: &mut Builder<'_>) -> Value {
     temperature_index_from(builder, 0)
 }
 
 /// The temperature code counted from so many codes `before` the coldest.
 pub(super) fn temperature_index_from(builder: &mut Builder<'_>, before: i64) -> Value {
-    let axis = &builder.device().conditions[0];
+    let axis = &builder.device().conditions[builder.axis()];
     let first = axis.steps().minimum - before;
+    let words = axis.word().replace('_', " ");
     let note = match (&axis.curve, before) {
-        (Some(_), 1..) => format!("temperature code minus {first}"),
+        (Some(_), 1..) => format!("{words} code minus {first}"),
         _ => format!(
-            "temperature code minus the code of {} {}",
-            axis.value(first << axis.shift),
-            axis.unit
+            "{words} code minus the code of {}",
+            axis.with_unit(axis.value(first << axis.shift))
         ),
     };
-    let code = builder.condition(0);
+    let code = builder.condition(builder.axis());
     if first == 0 {
         return code;
     }
@@ -34,7 +35,7 @@ pub(super) fn temperature_index_from(builder: &mut Builder<'_>, before: i64) -> 
         return builder.name(value, "index", note);
     }
     let prefix = builder.set_prefix(""); // all forms in one program share this variable
-    let value = builder.name(value, "temperature_index", note);
+    let value = builder.name(value, &format!("{}_index", axis.word()), note);
     builder.set_prefix(prefix);
     value
 }

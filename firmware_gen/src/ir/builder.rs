@@ -2,7 +2,7 @@
 //! over the echo time. The types of a program follow from these rows.
 
 use super::program::{Node, Operation, Program, Table, TableId, Value};
-use crate::device::Device;
+use crate::device::{Axis, Device};
 use crate::types::{IntegerType, Range};
 
 /// Values of one node: an interval for each combination of conditions.
@@ -21,6 +21,10 @@ pub struct Builder<'a> {
     least_bits: u32,
     /// Put before every name, so that two forms can live in one program.
     prefix: &'static str,
+    /// The condition that forms of one condition read, and what they give, where it is no speed factor.
+    axis: (usize, Option<&'static str>),
+    /// What stands for the echo time, if not its code.
+    echo: Option<Value>,
     tables: Vec<Table>,
     nodes: Vec<Node>,
     rows: Vec<Rows>,
@@ -50,6 +54,8 @@ impl<'a> Builder<'a> {
             device,
             picked,
             prefix: "",
+            axis: (0, None),
+            echo: None,
             least_bits,
             tables: Vec::new(),
             nodes: Vec::new(),
@@ -67,6 +73,34 @@ impl<'a> Builder<'a> {
     /// Put `prefix` before the names of what comes next; returns the one before.
     pub fn set_prefix(&mut self, prefix: &'static str) -> &'static str {
         std::mem::replace(&mut self.prefix, prefix)
+    }
+
+    /// The place of the condition that forms of one condition read: the temperature, unless another was set.
+    #[must_use]
+    pub fn axis(&self) -> usize {
+        self.axis.0
+    }
+
+    /// Let forms of one condition read the one at a place, and say what they give, where it is no speed factor. Returns
+    /// what was before.
+    pub fn set_axis(
+        &mut self,
+        axis: (usize, Option<&'static str>),
+    ) -> (usize, Option<&'static str>) {
+        std::mem::replace(&mut self.axis, axis)
+    }
+
+    /// A comment, in the words of the condition that forms of one condition read.
+    fn told(&self, note: String) -> String {
+        match self.axis {
+            (_, None) => note,
+            (place, Some(gives)) => told(&note, &self.device.conditions[place], gives),
+        }
+    }
+
+    /// Let `echo` stand for the echo time in what comes next.
+    pub fn set_echo(&mut self, echo: Value) {
+        self.echo = Some(echo);
     }
 
     /// Every value that `value` takes.
@@ -106,8 +140,11 @@ impl<'a> Builder<'a> {
         self.overflowed = mark.overflowed;
     }
 
-    /// The echo time code.
+    /// The echo time: its code, unless another value stands for it.
     pub fn echo(&mut self) -> Value {
+        if let Some(echo) = self.echo {
+            return echo;
+        }
         let codes = self.device.echo.codes;
         let rows = self.picked.len();
         let rows = Rows {
@@ -136,7 +173,7 @@ impl<'a> Builder<'a> {
             return input;
         }
         let step = self.shift_right(input, axis.shift);
-        let word = axis.name.trim_end_matches("_code");
+        let word = axis.word();
         let note = format!("{word} code without its lowest {} bits", axis.shift);
         let prefix = self.set_prefix(""); // all forms in one program share this variable
         let step = self.name(step, &format!("{word}_step"), note);
@@ -224,7 +261,7 @@ impl<'a> Builder<'a> {
         let range = hull(&entries, &entries);
         self.tables.push(Table {
             name: format!("echocal_{}{name}", self.prefix),
-            note,
+            note: self.told(note),
             ty: IntegerType::holding(range, 8),
             entries,
             program_memory: false,
@@ -259,7 +296,8 @@ impl<'a> Builder<'a> {
 
     /// Give `value` a local variable and a comment.
     pub fn name(&mut self, value: Value, name: &str, note: impl Into<String>) -> Value {
-        self.nodes[value.0].name = Some((format!("{}{name}", self.prefix), note.into()));
+        let note = self.told(note.into());
+        self.nodes[value.0].name = Some((format!("{}{name}", self.prefix), note));
         value
     }
 
@@ -342,6 +380,14 @@ impl<'a> Builder<'a> {
         self.rows.push(rows);
         Value(self.nodes.len() - 1)
     }
+}
+
+/// A text about speed factors of the temperature, as one about what another condition gives.
+#[must_use]
+pub fn told(text: &str, axis: &Axis, gives: &str) -> String {
+    let words = axis.word().replace('_', " ");
+    text.replace("speed factor", gives)
+        .replace("temperature", &words)
 }
 
 fn hull(low: &[i64], high: &[i64]) -> Range {

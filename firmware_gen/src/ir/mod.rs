@@ -13,6 +13,6 @@ mod twin;
 
 pub use crate::types::{IntegerType, Range};
 pub use block::{Block, LANES};
-pub use builder::Builder;
+pub use builder::{Builder, told};
 pub use program::{Node, Operation, Program, Table, TableId, Value};
 pub use twin::Overflow;

@@ -96,6 +96,7 @@ fn lower_within(
     // At neutral parameters an effect does nothing, whatever it needs.
     for term in model.terms().iter().filter(|term| !is_neutral(term)) {
         let Some(lack) = lacking(term, &base.measured) else {
+            base.refuse_unknown(term)?;
             kept.extend(term)?;
             continue;
         };
@@ -214,6 +215,20 @@ impl Lowered {
             0.0,
             |most: f64, one| if one.abs() > most.abs() { one } else { most },
         )
+    }
+
+    /// Refuse an effect that reads more than the input that it needs.
+    fn refuse_unknown(&self, term: &Term) -> Result<(), Error> {
+        match (term.facts().firmware, self.unknown(term).first()) {
+            (Firmware::Needs(_), Some(quantity)) => {
+                let (effect, name) = (term.facts().id, quantity.facts().name);
+                Err(Error::Refused(format!(
+                    "effect {effect} also reads {name}, which the device does not measure and which has no usual value: assume \
+                     one (--assume {name}=..., assume={{\"{name}\": ...}})"
+                )))
+            }
+            _ => Ok(()),
+        }
     }
 
     /// What an effect reads that is neither measured nor assumed.

@@ -85,6 +85,13 @@ def command(
     humidity_shift: Annotated[
         int | None, option("Lowest bits of the humidity code that the function drops.")
     ] = None,
+    further: Annotated[
+        str | None,
+        option(
+            "Codes of one further input: supply_voltage=4.5:5.5:0.01, wind_speed=..., angle=...",
+            metavar="QUANTITY=LOW:HIGH:LSB",
+        ),
+    ] = None,
     lsb: Annotated[float, option("Tick of the timer [us].", "--echo-lsb-us")] = 1.0,
     shortest: Annotated[
         float | None,
@@ -192,6 +199,7 @@ def command(
             ntc, known, temperature_lsb, temperature_range, temperature_zero, temperature_shift
         ),
         "humidity": humidity_codes(known, humidity_lsb, humidity_range, humidity_zero, humidity_shift),
+        "further": further,
         "echo": EchoCodes(lsb, longest, shortest, bits),
         "output_unit": output_unit,
         "output_type": output_type,
@@ -352,10 +360,15 @@ def _summary(made: Firmware, files: list[Path], notes: list[str]) -> Table:
     table.add_row(
         "proven", f"[bold green]{proven:.4f} mm[/] at most, up to {reach:g} m (requested {asked:g} mm)"
     )
-    humidity = f", relative humidity {worst['relative_humidity']:g}" if "relative_humidity" in worst else ""
+    others = report["device"]["conditions"][1:]
+    where = "".join(
+        f", {axis['quantity'].replace('_', ' ')} {worst[axis['quantity']]:g}"
+        + ("" if axis["unit"] == "1" else f" {axis['unit']}")
+        for axis in others
+    )
     axis = report["device"]["echo"]
     echo = worst[axis["name"]] * axis["lsb"] * 1e6
-    table.add_row("worst at", f"echo {echo:g} us, {worst['temperature']:g} degC{humidity}")
+    table.add_row("worst at", f"echo {echo:g} us, {worst['temperature']:g} degC{where}")
     table.add_row("checked", f"all {report['inputs_checked']:,} inputs, bit for bit")
     table.add_row("", "no overflow; the distance never decreases when the echo time increases")
     table.add_row(

@@ -15,12 +15,12 @@ from echocal.correct.results import STATUS, UNCERTAINTY, UNUSABLE
 from echocal.correct.rows import Rows
 from echocal.correct.stream import in_order
 from echocal.correct.text.file import Text, check_whole, correct_blocks
-from echocal.correct.text.parse import Block, Lines
 from echocal.errors import DataError, UsageError
 from echocal.keywords import keyword
 from echocal.observations.arrow import Table, arrow
 from echocal.observations.file import TextFile
 from echocal.observations.numbers import EMPTY, EXACT
+from echocal.observations.scanner import Block
 from echocal.outputs import opened_output
 
 __all__ = ["KINDS", "kind_of", "possible", "text_to_parquet"]
@@ -69,8 +69,8 @@ def text_to_parquet(
         {name.encode(): own.encode() for name, own in job.metadata.items()},
     )
 
-    def made(block: Block, lines: Lines, rows: Rows) -> Table:
-        fields = text.parser.fields(block, lines)
+    def made(block: Block, rows: Rows) -> Table:
+        fields = text.parser.fields(block)
         columns = {name: typed(fields[name], kind, text.head.decimal) for name, kind in kinds.items()}
         return pa.table({**columns, **columns_of(rows)}, schema=_loose(schema))
 
@@ -101,7 +101,7 @@ def _kinds(text: Text) -> Mapping[str, str]:
     decimal = text.head.decimal
 
     def work(block: Block) -> dict[str, frozenset[str] | None]:
-        fields = text.parser.fields(block, text.checked(block))
+        fields = text.parser.fields(text.checked(block))
         return {name: _of_all(fields[name], decimal, left[name]) for name in left}
 
     for found in in_order(text.blocks(), work, text.job.threads):

@@ -10,7 +10,7 @@ from echocal.errors import DataError
 from echocal.keywords import keyword
 from echocal.observations.layout import Head, Layout
 from echocal.observations.limits import refuse_names
-from echocal.observations.quotes import Marks
+from echocal.observations.scanner import Scanner
 from echocal.observations.units import is_unit_row
 
 __all__ = [
@@ -29,7 +29,7 @@ SEPARATORS = ",;\t|"
 FIRST = 200  # lines that are looked at for the header
 _NUMBER = re.compile(r"[-+]?(?:\d[\d.,']*|[.,]\d+)(?:[eE][-+]?\d+)?")
 _TIME = re.compile(r"\d{1,4}[-./]\d{1,2}[-./]\d{1,4}(?:[T ].*)?|\d{1,2}:\d{2}(?::\d{2}.*)?(?: ?[AP]M)?")
-_SEP_LINE = re.compile(r'"?sep=(.)"?', re.IGNORECASE)
+_SEP_LINE = re.compile(r'"?sep=([^"])"?', re.IGNORECASE)
 _COMMA = re.compile(r"[-+]?\d*,\d+")
 _POINT = re.compile(r"[-+]?\d*\.\d+(?:[eE][-+]?\d+)?")
 _LOOK = 20  # lines that show how many fields a row has
@@ -82,7 +82,7 @@ def head_in(lines: list[str], layout: Layout, path: str) -> Head:
         raise DataError(message)
     if not head.nameless and head.above > skip:
         header = lines[head.above - skip - 1]
-        Marks(path, head.separator, len(head.names)).rows([header], head.above)
+        Scanner(path, replace(head, comments=False, repeated=frozenset())).refuse_open(header, head.above)
     return head
 
 
@@ -118,6 +118,9 @@ def find_head(lines: Sequence[str], skipped: int, before: str) -> Head:
         The comment right above them; empty without one.
     """
     given = _SEP_LINE.fullmatch(lines[0].strip())
+    if given and not given[1].isascii():
+        message = f"'{lines[0].strip()}' names a separator that is no sign of ASCII; write another one"
+        raise DataError(message)
     if given and len(lines) > 1:
         return _table(lines, 1, skipped, given[1])
     if lines[0].startswith(('"TOA5"', "TOA5,", '"TOACI1"', "TOACI1,")) and len(lines) > 1:

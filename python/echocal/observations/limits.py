@@ -9,7 +9,7 @@ from typing import IO, Any
 from echocal.errors import DataError
 
 __all__ = ["CELLS", "COLUMNS", "DEPTH", "LINE", "LOG_LINE", "NAME", "WHOLE", "Guarded"]
-__all__ += ["from_json", "refuse_cells", "refuse_names", "refuse_record", "too_long"]
+__all__ += ["from_json", "refuse_cells", "refuse_names", "too_long"]
 
 LINE = 1 << 22
 """Bytes of a line, or of a quoted field with the lines in it: 16,384 columns of 256 bytes; judgement."""
@@ -138,22 +138,6 @@ def refuse_names(names: Iterable[object], where: object) -> None:
                 f"{NAME:,} are the most; shorten it"
             )
             raise DataError(message)
-
-
-def refuse_record(size: int, number: int, path: object) -> None:
-    """Refuse a quoted field that goes on over so many lines that it cannot be meant.
-
-    Raises
-    ------
-    DataError
-        With the line that its quotation mark is in.
-    """
-    if size > LINE:
-        message = (
-            f"{path}: the quotation mark of line {number} opens a field of more than {LINE:,} characters, "
-            "which no table of measurements has; remove the mark, or close the field"
-        )
-        raise DataError(message)
 
 
 def refuse_cells(rows: int, columns: int, filled: int, where: object) -> None:

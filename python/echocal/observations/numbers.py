@@ -37,7 +37,10 @@ EXACT = 2.0**53
 """Integers of this size and more are not all floats: each that is not becomes one that is."""
 
 EMPTY = frozenset(
-    ("", "NA", "N/A", "n/a", "nan", "NaN", "NAN", "-nan", "null", "NULL", "None", "<NA>", "NaT")
+    (
+        *("", "NA", "N/A", "n/a", "nan", "NaN", "NAN", "-nan", "-NaN", "null", "NULL", "None", "<NA>", "NaT"),
+        *("#N/A", "#N/A N/A", "#NA", "1.#IND", "-1.#IND", "1.#QNAN", "-1.#QNAN"),  # of spreadsheets and C
+    )
 )
 """Texts that mean "no value" in any column."""
 
@@ -46,7 +49,6 @@ NO_NUMBER = EMPTY | {
         "-",
         "--",
         "---",
-        "#N/A",
         "#NV",
         "n.a.",
         "none",

@@ -124,6 +124,12 @@ def generate_per_unit(
     True
     """
     _refuse(package, output_unit, request.get("echo"))
+    if request.get("further") is not None:
+        message = (
+            f"unit data are not proven beside a further input: leave out {keyword('further')} or "
+            f"{keyword('per_unit')}"
+        )
+        raise UsageError(message)
     box = Box.around(model, per_unit)
     least = box.least(model)
     told = {"per_unit": box.texts(), "max_error_mm": max_error * 1e3, "max_distance_m": max_distance}

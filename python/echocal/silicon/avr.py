@@ -3,6 +3,7 @@
 The simulator is GPL-3: it is used where it is installed, and is no part of this package.
 """
 
+from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import cached_property
@@ -52,14 +53,15 @@ class Avr(Board):
         return driver, chip
 
     def drive(
-        self, thing: Path, made: Generated, step: int, damp_step: int = 1, *library: str
+        self, thing: Path, made: Generated, steps: Sequence[int], *library: str
     ) -> tuple[list[int], list[Calls]]:
         """Return the hashes of the rows, and for each process the cost of its calls."""
         driver, chip = self.driver(thing, made, *library)
-        echo, (first, last), *damp = axes(made)
+        echo, (first, last), *others = axes(made)
+        step, *apart = steps
         length = ROWS_EACH * step
         spans = [(low, min(last, low + length - step)) for low in range(first, last + 1, length)]
-        ends = [str(word) for axis in damp for word in (*axis, damp_step)]
+        ends = [str(word) for axis, one in zip(others, apart, strict=True) for word in (*axis, one)]
 
         def part(span: tuple[int, int]) -> list[str]:
             lines = run(driver, chip, *map(str, (*echo, *span, step)), *ends).splitlines()
@@ -72,19 +74,17 @@ class Avr(Board):
 
     def calls(self, thing: Path, made: Generated, *library: str) -> Calls:
         """Cycles of a call with its return, over every echo code at the ends of each condition."""
-        warm, damp = [*(max(1, last - first) for first, last in axes(made)[1:]), 1][:2]
-        return self.sampled(thing, made, warm, damp, *library)
+        return self.sampled(thing, made, [max(1, last - first) for first, last in axes(made)[1:]], *library)
 
-    def sampled(self, thing: Path, made: Generated, step: int, damp_step: int = 1, *library: str) -> Calls:
-        """Cycles of a call over every echo code, and every `step`-th code of each condition."""
-        _, found = self.drive(thing, made, step, damp_step, *library)
+    def sampled(self, thing: Path, made: Generated, steps: Sequence[int], *library: str) -> Calls:
+        """Cycles of a call over every echo code, and every so many codes of each condition."""
+        _, found = self.drive(thing, made, steps, *library)
         fewest, most = min(part.fewest for part in found), max(part.most for part in found)
         return Calls(fewest, most, max(part.stack for part in found))
 
     def output_hash(self, thing: Path, made: Generated) -> str:
         """Hash over every accepted input, one call each, all of them in the same number of cycles."""
-        warm, damp = [*strides(made), 1][:2]
-        rows, found = self.drive(thing, made, warm, damp)
+        rows, found = self.drive(thing, made, strides(made))
         fewest, most = min(part.fewest for part in found), max(part.most for part in found)
         if fewest != most:
             message = f"not of constant time: calls take {fewest} to {most} cycles"
@@ -96,7 +96,7 @@ class Avr(Board):
 def _registers(made: Generated) -> tuple[str, ...]:
     """Return macros for the first register of each argument, and whether the result has 16 bits."""
     device = made.report["device"]
-    given = {"ECHO": "u16", "TEMPERATURE": "i16", "HUMIDITY": "u8"}
+    given = {"ECHO": "u16", "TEMPERATURE": "i16", "HUMIDITY": "u8", "FURTHER": "u16"}
     given |= {
         name: axis.get("type", given[name])
         for name, axis in zip(given, (device["echo"], *device["conditions"]), strict=False)

@@ -1,9 +1,10 @@
 /*
  * Calls a generated function in a simulated ATmega328P, one call for each accepted input:
  *
- *     avr_driver FIRMWARE.elf ECHO_FIRST ECHO_LAST FIRST LAST STEP [HUMIDITY_FIRST HUMIDITY_LAST HUMIDITY_STEP]
+ *     avr_driver FIRMWARE.elf ECHO_FIRST ECHO_LAST FIRST LAST STEP [FIRST LAST STEP [FIRST LAST STEP]]
  *
- * Prints, for every STEP-th temperature code in FIRST .. LAST, its hash over all echo codes; then the fewest and the
+ * After the echo stand the codes of the temperature and of up to two other arguments. Prints, for every STEP-th code of all
+ * these in order, its hash over all echo codes; then the fewest and the
  * most cycles of a call, `call` and `ret` included, and the bytes of stack, return address included. The simulator is
  * GPL-3: it is used where it is installed, and no part of what is shipped.
  */
@@ -21,6 +22,7 @@
 #define ECHO 24
 #define TEMPERATURE 22
 #define HUMIDITY 20
+#define FURTHER 18
 #endif
 #ifndef SHORT
 #define SHORT 0
@@ -52,12 +54,13 @@ static void give(int where, uint32_t value)
 }
 
 /* What the function returns, as it left it in r22 .. r25. */
-static uint32_t call(unsigned echo, int temperature, unsigned humidity, int watch_stack)
+static uint32_t call(unsigned echo, const int *codes, int watch_stack)
 {
     const avr_cycle_count_t before = avr->cycle;
     put(LOW, STACK_TOP);
-    give(HUMIDITY, humidity);
-    give(TEMPERATURE, (uint32_t)temperature);
+    give(FURTHER, (uint32_t)codes[2]);
+    give(HUMIDITY, (uint32_t)codes[1]);
+    give(TEMPERATURE, (uint32_t)codes[0]);
     give(ECHO, echo);
     avr->pc = 0;
     avr->state = cpu_Running;
@@ -80,11 +83,11 @@ static uint32_t call(unsigned echo, int temperature, unsigned humidity, int watc
 }
 
 /* The hash over one row of echo codes. */
-static uint64_t row(unsigned first, unsigned last, int temperature, unsigned humidity, int watch_stack)
+static uint64_t row(unsigned first, unsigned last, const int *codes, int watch_stack)
 {
     uint64_t hash = 0;
     for (unsigned echo = first; echo <= last; echo++) {
-        hash = append(hash, call(echo, temperature, humidity, watch_stack));
+        hash = append(hash, call(echo, codes, watch_stack));
     }
     return hash;
 }
@@ -101,13 +104,19 @@ int main(int count, char **words)
     /* What start-up code does: tables that are not in program memory are copied to the start of RAM. */
     memcpy(avr->data + 0x100, avr->flash + firmware.flashsize - firmware.datasize, firmware.datasize);
     const unsigned echo_first = (unsigned)atoi(words[2]), echo_last = (unsigned)atoi(words[3]);
-    const int first = atoi(words[4]), last = atoi(words[5]), step = atoi(words[6]);
-    const unsigned dry = count > 9 ? (unsigned)atoi(words[7]) : 0, damp = count > 9 ? (unsigned)atoi(words[8]) : 0;
-    const unsigned apart = count > 9 ? (unsigned)atoi(words[9]) : 1;
-    for (int code = first; code <= last; code += step) {
-        for (unsigned humidity = dry; humidity <= damp; humidity += apart) {
-            const int watch_stack = code == first && humidity == dry;
-            printf("%016llx\n", (unsigned long long)row(echo_first, echo_last, code, humidity, watch_stack));
+    int first[3] = {0}, last[3] = {0}, step[3] = {1, 1, 1}, codes[3];
+    for (int place = 0; place < 3 && 6 + 3 * place < count; place++) {
+        first[place] = atoi(words[4 + 3 * place]);
+        last[place] = atoi(words[5 + 3 * place]);
+        step[place] = atoi(words[6 + 3 * place]);
+    }
+    int watch_stack = 1; /* in the first row */
+    for (codes[0] = first[0]; codes[0] <= last[0]; codes[0] += step[0]) {
+        for (codes[1] = first[1]; codes[1] <= last[1]; codes[1] += step[1]) {
+            for (codes[2] = first[2]; codes[2] <= last[2]; codes[2] += step[2]) {
+                printf("%016llx\n", (unsigned long long)row(echo_first, echo_last, codes, watch_stack));
+                watch_stack = 0;
+            }
         }
     }
     printf("%llu %llu %u\n", (unsigned long long)fewest, (unsigned long long)most, STACK_TOP - lowest);

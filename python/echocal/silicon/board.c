@@ -43,14 +43,28 @@
 #define DAMP_STEP 1
 #endif
 
-#ifdef ECHOCAL_HUMIDITY_CODE_FIRST
-#define ARGUMENTS ECHO echo, CODE code, DAMP damp
-#define TYPES ECHO, CODE, DAMP
-#define GIVEN(echo, code, damp) (ECHO)(echo), (CODE)(code), (DAMP)(damp)
+/* FURTHER is the type of a further input; then its codes are defined, too. */
+#ifdef FURTHER
+#define MORE_ARGUMENTS , FURTHER further
+#define MORE_TYPES , FURTHER
+#define MORE_GIVEN(further) , (FURTHER)(further)
 #else
-#define ARGUMENTS ECHO echo, CODE code
-#define TYPES ECHO, CODE
-#define GIVEN(echo, code, damp) (ECHO)(echo), (CODE)(code)
+#define MORE_ARGUMENTS
+#define MORE_TYPES
+#define MORE_GIVEN(further)
+#define FURTHER_FIRST 0
+#define FURTHER_LAST 0
+#define FURTHER_STEP 1
+#endif
+
+#ifdef ECHOCAL_HUMIDITY_CODE_FIRST
+#define ARGUMENTS ECHO echo, CODE code, DAMP damp MORE_ARGUMENTS
+#define TYPES ECHO, CODE, DAMP MORE_TYPES
+#define GIVEN(echo, code, damp, further) (ECHO)(echo), (CODE)(code), (DAMP)(damp) MORE_GIVEN(further)
+#else
+#define ARGUMENTS ECHO echo, CODE code MORE_ARGUMENTS
+#define TYPES ECHO, CODE MORE_TYPES
+#define GIVEN(echo, code, damp, further) (ECHO)(echo), (CODE)(code) MORE_GIVEN(further)
 #define ECHOCAL_HUMIDITY_CODE_FIRST 0
 #define ECHOCAL_HUMIDITY_CODE_LAST 0
 #endif
@@ -123,8 +137,11 @@ static uint64_t hash_of_all(void)
     for (code = ECHOCAL_TEMPERATURE_CODE_FIRST; code <= ECHOCAL_TEMPERATURE_CODE_LAST; code += WARM_STEP) {
         int32_t damp;
         for (damp = ECHOCAL_HUMIDITY_CODE_FIRST; damp <= ECHOCAL_HUMIDITY_CODE_LAST; damp += DAMP_STEP) {
-            for (echo = ECHO_FIRST; echo <= ECHO_LAST; echo++) {
-                all = append(all, (uint32_t)DISTANCE(GIVEN(echo, code, damp)));
+            int32_t further;
+            for (further = FURTHER_FIRST; further <= FURTHER_LAST; further += FURTHER_STEP) {
+                for (echo = ECHO_FIRST; echo <= ECHO_LAST; echo++) {
+                    all = append(all, (uint32_t)DISTANCE(GIVEN(echo, code, damp, further)));
+                }
             }
         }
     }
@@ -133,14 +150,16 @@ static uint64_t hash_of_all(void)
 #else
 
 /* Ticks that CALLS calls take. */
-static uint32_t time_of(RESULT (*volatile function)(TYPES), int32_t echo, int32_t code, int32_t damp)
+static uint32_t time_of(
+    RESULT (*volatile function)(TYPES), int32_t echo, int32_t code, int32_t damp, int32_t further)
 {
     RESULT (*const called)(TYPES) = function;
     uint32_t start = now();
     int32_t count;
     (void)damp;
+    (void)further;
     for (count = 0; count < CALLS; count++) {
-        sink = called(GIVEN(echo, code, damp));
+        sink = called(GIVEN(echo, code, damp, further));
     }
     return now() - start;
 }
@@ -153,7 +172,7 @@ static uint32_t __attribute__((noinline)) stack_of(RESULT (*volatile function)(T
     for (place = here - DEEP; place < here; place++) {
         *(volatile uint8_t *)place = PAINT;
     }
-    sink = function(GIVEN(ECHO_LAST, ECHOCAL_TEMPERATURE_CODE_FIRST, ECHOCAL_HUMIDITY_CODE_LAST));
+    sink = function(GIVEN(ECHO_LAST, ECHOCAL_TEMPERATURE_CODE_FIRST, ECHOCAL_HUMIDITY_CODE_LAST, FURTHER_LAST));
     for (place = here - DEEP; place < here && *(volatile uint8_t *)place == PAINT; place++) { }
     return (uint32_t)(here - place);
 }
@@ -161,18 +180,21 @@ static uint32_t __attribute__((noinline)) stack_of(RESULT (*volatile function)(T
 /* The stack of a call, the time of none, and the times of calls at the ends of each range and between. */
 static void count_all(void)
 {
-    int32_t echo, code, damp;
+    int32_t echo, code, damp, further;
     print(stack_of(DISTANCE));
-    (void)time_of(nothing, 0, 0, 0);
-    print(time_of(nothing, 0, 0, 0));
+    (void)time_of(nothing, 0, 0, 0, 0);
+    print(time_of(nothing, 0, 0, 0, 0));
     for (echo = 0; echo < 4; echo++) {
         for (code = 0; code < 3; code++) {
             for (damp = 0; damp < 2; damp++) {
-                print(time_of(DISTANCE,
-                    ECHO_FIRST + (ECHO_LAST - ECHO_FIRST) / 3 * echo,
-                    ECHOCAL_TEMPERATURE_CODE_FIRST
-                        + (ECHOCAL_TEMPERATURE_CODE_LAST - ECHOCAL_TEMPERATURE_CODE_FIRST) / 2 * code,
-                    damp ? ECHOCAL_HUMIDITY_CODE_LAST : ECHOCAL_HUMIDITY_CODE_FIRST));
+                for (further = 0; further < (FURTHER_LAST > FURTHER_FIRST ? 2 : 1); further++) {
+                    print(time_of(DISTANCE,
+                        ECHO_FIRST + (ECHO_LAST - ECHO_FIRST) / 3 * echo,
+                        ECHOCAL_TEMPERATURE_CODE_FIRST
+                            + (ECHOCAL_TEMPERATURE_CODE_LAST - ECHOCAL_TEMPERATURE_CODE_FIRST) / 2 * code,
+                        damp ? ECHOCAL_HUMIDITY_CODE_LAST : ECHOCAL_HUMIDITY_CODE_FIRST,
+                        further ? FURTHER_LAST : FURTHER_FIRST));
+                }
             }
         }
     }

@@ -148,10 +148,20 @@ def function(made: Generated) -> str:
 def definitions(made: Generated) -> tuple[str, ...]:
     """Return the macros by which a program for the board knows the function and the types of its codes."""
     device = made.report["device"]
-    given = zip(("ECHO", "CODE", "DAMP"), (device["echo"], *device["conditions"]), strict=False)
-    types = (f"-D{name}={_type(axis['type'])}" for name, axis in given if "type" in axis)
+    given = zip(_places(made), (device["echo"], *device["conditions"]), strict=True)
+    types = [f"-D{name}={_type(axis['type'])}" for name, axis in given if "type" in axis]
+    if "FURTHER" in _places(made):
+        (first, last), step = axes(made)[-1], strides(made)[-1]
+        types += [f"-DFURTHER_FIRST={first}", f"-DFURTHER_LAST={last}", f"-DFURTHER_STEP={step}"]
     result = f"-DRESULT={_type(device.get('output', {}).get('type', 'i32'))}"
     return f"-DDISTANCE={function(made)}", result, *types
+
+
+def _places(made: Generated) -> tuple[str, ...]:
+    """Return the macro for the type of each argument."""
+    names = {"temperature": "CODE", "relative_humidity": "DAMP"}
+    conditions = made.report["device"]["conditions"]
+    return ("ECHO", *(names.get(axis["quantity"], "FURTHER") for axis in conditions))
 
 
 def _type(short: str) -> str:

@@ -10,11 +10,11 @@ from typing import Any, NamedTuple
 from echocal.correct.needed import refuse_repeated
 from echocal.errors import DataError
 from echocal.keywords import keyword
-from echocal.observations.found import CUT
+from echocal.observations.found import CORRUPT, CUT
 from echocal.observations.heading import FIRST, decimal_of, fields_of, head_in, is_value, names_of
 from echocal.observations.layout import Head, Layout, said_no_text, seen_in
 from echocal.observations.limits import from_json
-from echocal.observations.text import Record, Records
+from echocal.observations.scanner import Scanner
 from echocal.watch.rows import Row
 
 __all__ = ["Arrival", "Batch", "Parser", "Unread", "json_of", "parsed"]
@@ -223,50 +223,55 @@ class Parser:
 
     def _begin(self, head: Head) -> None:
         self._head, self._names = head, set(head.names)
-        self._records = Records(
-            self._source, head, lambda line: head.is_no_row(line) or line.lstrip().startswith("{")
-        )
+        self._scanner = Scanner(self._source, head, with_json=True)
 
     def _rows(self, lines: list[str], at: int, before: int, batch: Batch, final: bool) -> int:
         """Take rows below a header; the place of the next line."""
         assert self._head is not None
-        rest = (lines[place] for place in range(at, len(lines)))
-        try:
-            for record in self._records.of(rest, before + at + 1):
-                if record.why == CUT and not final:
-                    return at  # a quoted field that goes on
-                if not self._take(record, batch):
-                    return at + len(record.held)
-                at += len(record.held)
-                if len(batch.rows) == _MOST:
-                    break
-        except DataError as error:  # of one line: the others go on
-            batch.add(None, str(error), lines[at].encode("utf-8", _KEPT), self._source)
+        for end in (
+            at + _MOST - len(batch.rows),
+            len(lines),
+        ):  # a quoted field may have more lines than a batch
+            data = "".join(lines[at:end]).encode("utf-8", _KEPT)
+            block, wrong = self._scanner.scan(data, before + at + 1, last=end >= len(lines))
+            if block.lines.taken or wrong:
+                break
+        begin = 0
+        for _, behind, count, fields, is_cut in block.lines.records():
+            if is_cut and not final:  # a quoted field that goes on
+                self._begin(self._head)
+                return at
+            why = "" if is_cut is None else CUT if is_cut else CORRUPT
+            texts = None if fields is None else [field.decode("utf-8", _KEPT) for field in fields]
+            at += count
+            if not self._take(data[begin:behind], texts, why, batch):
+                return at
+            begin = behind
+        if wrong:  # of one line: the others go on
+            batch.add(None, wrong, lines[at].encode("utf-8", _KEPT), self._source)
             at += 1
         return at
 
-    def _take(self, record: Record, batch: Batch) -> bool:
+    def _take(self, text: bytes, fields: list[str] | None, why: str, batch: Batch) -> bool:
         """Take a row or a line that is none; not so for another header, below which all is new."""
         assert self._head is not None
-        raw = record.held[0] if len(record.held) == 1 else "".join(record.held)
-        if not record.is_row:
+        raw = text.decode("utf-8", _KEPT)
+        if fields is None:
             if raw.lstrip().startswith("{") and not self._head.is_no_row(raw.rstrip("\r\n")):
                 self._add_json(raw, batch)
             return True
-        fields = self._records.fields(record.text)
-        own = fields_of(raw, self._head.separator) if record.why else fields
+        own = fields_of(raw, self._head.separator) if why else fields
         if any(map(raw.__contains__, self._names)) and self._is_header(own):
             refuse_repeated(names_of(own))
             again = self._head.repeated | {raw.rstrip("\r\n")}
             self._begin(replace(self._head, names=names_of(own), repeated=again))
             return False
-        text = raw.encode("utf-8", _KEPT)
         if not _is_text(raw):
             other = f"{keyword('encoding', 'latin-1')} (or cp1252, utf-16, ...)"
             how = f"; if the file is in another encoding: {other}"
             batch.add(None, f"{no_utf8(text) or 'no text'}{how}: {_shown(text)}", text, self._source)
         else:
-            batch.add(dict(zip(self._head.names, fields, strict=True)), record.why, text, self._source)
+            batch.add(dict(zip(self._head.names, fields, strict=True)), why, text, self._source)
         return True
 
     def _is_header(self, fields: list[str]) -> bool:

@@ -16,7 +16,7 @@ use std::sync::Arc;
 
 use crate::border::{Column, same_length};
 use crate::errors::raise;
-use crate::firmware_request::{Condition, Measured, Scale, StatedUncertainty, conditions};
+use crate::firmware_request::{Condition, Further, Measured, Scale, StatedUncertainty, conditions};
 use crate::model::CoreModel;
 
 /// Outputs of rows \[um\].
@@ -121,6 +121,7 @@ pub struct FirmwareRequest {
     /// In place of those codes: the first code, temperatures from it on \[degC\], and words.
     thermistor: Option<Scale>,
     humidity: Option<Condition>,
+    further: Option<Further>,
     /// Tick, shortest and longest echo time \[us\], bits of the timer.
     echo: (f64, f64, f64, u32),
     output_unit: String,
@@ -165,6 +166,7 @@ pub struct EchoTimesRequest {
     /// In place of those codes: the first code, temperatures from it on \[degC\], and words.
     thermistor: Option<Scale>,
     humidity: Option<Condition>,
+    further: Option<Further>,
     maximum_distance: f64,
     accept: Vec<String>,
     assumed: [f64; Quantity::COUNT],
@@ -181,7 +183,12 @@ pub fn echo_times(
     let model = &model.model;
     let mut interrupted = None;
     let found = py.detach(|| {
-        let conditions = conditions(request.temperature, &request.thermistor, request.humidity)?;
+        let conditions = conditions(
+            request.temperature,
+            &request.thermistor,
+            request.humidity,
+            &request.further,
+        )?;
         let assumed = Conditions::new(request.assumed);
         let (accept, far) = (&request.accept, request.maximum_distance);
         let lowered = lower_without_echo(model, &conditions, &assumed, accept, far)?;
@@ -245,7 +252,12 @@ fn device(request: &FirmwareRequest) -> Result<Device, Error> {
     let (tick, shortest, longest, bits) = request.echo;
     Ok(Device {
         echo: Axis::timer(tick, shortest, longest, bits)?,
-        conditions: conditions(request.temperature, &request.thermistor, request.humidity)?,
+        conditions: conditions(
+            request.temperature,
+            &request.thermistor,
+            request.humidity,
+            &request.further,
+        )?,
         output: Output::parse(&request.output_unit)?.typed(request.output_type.as_deref())?,
     })
 }

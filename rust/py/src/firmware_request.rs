@@ -7,6 +7,9 @@ use pyo3::prelude::*;
 /// LSB, lowest and highest value, the value of code 0, and the bits that the function drops.
 pub type Condition = (f64, f64, f64, f64, u32);
 
+/// A further quantity, and its codes.
+pub type Further = (String, Condition);
+
 /// The first code, temperatures from it on \[degC\], and words.
 pub type Scale = (i64, Vec<f64>, String);
 
@@ -18,6 +21,7 @@ pub fn conditions(
     temperature: Condition,
     thermistor: &Option<Scale>,
     humidity: Option<Condition>,
+    further: &Option<Further>,
 ) -> Result<Vec<Axis>, Error> {
     let axis = |quantity: &str, (lsb, low, high, zero, shift): Condition| {
         let codes = Codes {
@@ -35,6 +39,9 @@ pub fn conditions(
     }];
     if let Some(humidity) = humidity {
         axes.push(axis("relative_humidity", humidity)?);
+    }
+    if let Some((quantity, codes)) = further {
+        axes.push(axis(quantity, *codes)?);
     }
     check_rows(&axes)?;
     Ok(axes)

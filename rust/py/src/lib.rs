@@ -66,7 +66,7 @@ mod _core {
     #[pymodule_export]
     use super::sums::{CoreNoiseModel, CoreSums, whitened};
     #[pymodule_export]
-    use super::text::CoreLines;
+    use super::text::{CoreLines, CoreScanner};
 
     /// Takes over what the environment says.
     #[pymodule_init]

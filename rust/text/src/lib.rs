@@ -4,13 +4,14 @@
 //!
 //! - [`number`]: one field as a number;
 //! - [`digits`]: one number as the fewest digits that are the number again;
-//! - [`lines`]: where the lines end;
+//! - [`quotes`]: which fields quotation marks enclose, and which marks are wrong;
+//! - [`row`]: the fields of one row;
+//! - [`lines`]: where the rows begin and end, and which lines are none;
+//! - [`fields`]: the fields of some columns as texts;
 //! - [`columns`]: the numbers of some columns;
-//! - [`fields`]: the fields of some columns as texts, quoted ones too;
-//! - [`results`]: the lines again, with results behind each of them.
+//! - [`results`]: the lines again, with results behind each row.
 //!
-//! What is not plain is declined, never guessed: who asks has another way for it. Nothing here reads a file
-//! or knows of Python.
+//! Nothing here reads a file or knows of Python.
 
 #![cfg_attr(test, allow(clippy::suboptimal_flops))] // tests state expected values plainly
 
@@ -20,4 +21,6 @@ pub mod digits;
 pub mod fields;
 pub mod lines;
 pub mod number;
+pub mod quotes;
 pub mod results;
+pub mod row;

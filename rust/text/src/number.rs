@@ -1,4 +1,4 @@
-//! One field as a number: the double next to its digits, or none where it is not plainly a number.
+//! One field as a number: the double next to its digits, or none where it is no number.
 
 use crate::bytes::{Needle, ONES};
 
@@ -100,36 +100,43 @@ fn digit(text: &[u8], at: usize) -> Option<u64> {
     (digit < 10).then_some(u64::from(digit))
 }
 
-/// Number of a whole field, with blanks around it or not.
+/// Number of a whole field, with blanks around it or not; None where it is none.
 ///
-/// None where it is no decimal number, has a plus sign, or is beyond the normal doubles.
+/// Its decimal sign may be a point, too. The words of infinities, and of what is no number, are numbers.
 ///
 /// # Examples
 /// ```
 /// # use echocal_text::number::of_field;
 /// assert_eq!(of_field(b" 2,5e1", b','), Some(25.0));
-/// assert_eq!(of_field(b"nan", b'.'), None);
+/// assert_eq!(of_field(b"-inf", b'.'), Some(f64::NEG_INFINITY));
+/// assert_eq!(of_field(b"far", b'.'), None);
 /// ```
 #[must_use]
 pub fn of_field(field: &[u8], decimal: u8) -> Option<f64> {
-    let blank = |byte: &u8| matches!(byte, b' ' | b'\t');
-    let begin = field.iter().position(|byte| !blank(byte))?;
-    let end = field.iter().rposition(|byte| !blank(byte))? + 1;
-    let text = &field[begin..end];
-    if !is_number(text, decimal) {
+    let text = trimmed(field);
+    let word = text
+        .strip_prefix(b"-")
+        .or_else(|| text.strip_prefix(b"+"))
+        .unwrap_or(text);
+    let is_word = |known: &&[u8]| word.eq_ignore_ascii_case(known);
+    if !is_number(word, decimal) && ![&b"inf"[..], b"infinity", b"nan"].iter().any(is_word) {
         return None;
     }
-    let plain: Vec<u8> = text
-        .iter()
-        .map(|&byte| if byte == decimal { b'.' } else { byte })
-        .collect();
-    let number: f64 = str::from_utf8(&plain).ok()?.parse().ok()?;
-    let mantissa = plain.split(|byte| matches!(byte, b'e' | b'E')).next()?;
-    let zero = !mantissa.iter().any(|byte| matches!(byte, b'1'..=b'9'));
-    (number.is_normal() || zero).then_some(number)
+    let point = |&byte: &u8| if byte == decimal { b'.' } else { byte };
+    let plain: Vec<u8> = text.iter().map(point).collect();
+    str::from_utf8(&plain).ok()?.parse().ok()
 }
 
-/// Whether a text is a decimal number without a plus sign.
+/// A field without the blanks around it.
+pub(crate) fn trimmed(field: &[u8]) -> &[u8] {
+    let outer = field.trim_ascii();
+    if outer.is_ascii() {
+        return outer;
+    }
+    str::from_utf8(outer).map_or(outer, |text| text.trim().as_bytes())
+}
+
+/// Whether a text is a decimal number without a sign.
 fn is_number(text: &[u8], decimal: u8) -> bool {
     let digits = |from: usize| {
         text[from..]
@@ -137,10 +144,12 @@ fn is_number(text: &[u8], decimal: u8) -> bool {
             .take_while(|byte| byte.is_ascii_digit())
             .count()
     };
-    let mut at = usize::from(text.first() == Some(&b'-'));
-    let mut count = digits(at);
-    at += count;
-    if text.get(at) == Some(&decimal) {
+    let mut count = digits(0);
+    let mut at = count;
+    if text
+        .get(at)
+        .is_some_and(|&byte| byte == decimal || byte == b'.')
+    {
         let fraction = digits(at + 1);
         count += fraction;
         at += 1 + fraction;
@@ -167,7 +176,7 @@ mod tests {
 
     #[test]
     fn what_is_a_number() {
-        let known: [(&str, Option<f64>); 24] = [
+        let known: [(&str, Option<f64>); 26] = [
             ("5", Some(5.0)),
             ("5.", Some(5.0)),
             (".5", Some(0.5)),
@@ -180,22 +189,25 @@ mod tests {
             (" ", None),
             (".", None),
             ("-", None),
-            ("+5", None),
+            ("+5", Some(5.0)),
+            ("+-5", None),
             ("5 5", None),
             ("5,5", None),
             ("1e", None),
             ("1e+", None),
             ("1e5.", None),
-            ("1e400", None),
-            ("1e-320", None),
-            ("nan", None),
-            ("inf", None),
+            ("1e400", Some(f64::INFINITY)),
+            ("1e-320", Some(1e-320)),
+            ("-Infinity", Some(f64::NEG_INFINITY)),
+            ("inf", Some(f64::INFINITY)),
             ("0x10", None),
-            ("5\u{a0}", None),
+            ("5\u{a0}", Some(5.0)),
+            ("5\u{a0}5", None),
         ];
         for (text, number) in known {
             assert_eq!(of_field(text.as_bytes(), b'.'), number, "{text:?}");
         }
+        assert!(of_field(b"NaN", b'.').is_some_and(f64::is_nan));
         assert!(of_field(b"-0", b'.').is_some_and(f64::is_sign_negative));
         assert!(leading(b"-0", b'.').is_some_and(|(number, _)| number.is_sign_negative()));
         assert_eq!(leading(b"12.5;3", b'.'), Some((12.5, 4)));
@@ -241,7 +253,7 @@ mod tests {
         ) {
             if let Some(number) = of_field(&field, b'.') {
                 let text = str::from_utf8(&field).unwrap();
-                prop_assert_eq!(text.trim().parse::<f64>(), Ok(number));
+                prop_assert_eq!(text.trim().parse().map(f64::to_bits), Ok(number.to_bits()));
             }
         }
     }

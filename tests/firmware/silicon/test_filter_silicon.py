@@ -85,7 +85,7 @@ def shim(packed: Firmware, function: str) -> Shim:
     )
     last = len(rows) - 1
     axes = [{"minimum": 0, "maximum": last}, {"minimum": 0, "maximum": 0}]
-    device = {"echo": {"codes": axes[0]}, "conditions": [{"codes": axes[1]}]}
+    device = {"echo": {"codes": axes[0]}, "conditions": [{"codes": axes[1], "quantity": "temperature"}]}
     header = HEADER.format(last=last)
     return Shim({"echocal_correction.c": text, "echocal_correction.h": header}, {"device": device})
 
@@ -102,7 +102,7 @@ def played(core: str, made: Shim, folder: Path) -> tuple[str, int]:
     board = CORES[core]
     thing = board.compile(made, folder, "-Os")
     if isinstance(board, Avr):
-        (row,), (calls,) = board.drive(thing, made, 1)
+        (row,), (calls,) = board.drive(thing, made, [1])
         return f"{row:016x}", calls.most
     return board.output_hash(thing, made), board.calls(thing, made).most
 

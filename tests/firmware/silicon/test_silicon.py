@@ -91,7 +91,7 @@ def test_every_form_on_avr(case: Firmware, tmp_path: Path) -> None:
     device = case.report["device"]
     codes, echo = device["conditions"][0]["codes"], device["echo"]["codes"]
     step = (codes["maximum"] - codes["minimum"]) // 2
-    rows, _ = board.drive(board.compile(case, tmp_path, "-Os"), case, step)
+    rows, _ = board.drive(board.compile(case, tmp_path, "-Os"), case, [step])
     for row, code in zip(rows, range(codes["minimum"], codes["maximum"] + 1, step), strict=True):
         outputs = case.distance_um(np.arange(echo["minimum"], echo["maximum"] + 1), code).astype(np.int64)
         assert row == joined((outputs + 2**31).tolist(), 1)

@@ -7,6 +7,7 @@ use super::contract::{Fit, Form};
 use super::plane::Plane;
 use super::steps::{floor_shift, second_index};
 use super::temperature::FORMS;
+use crate::device::Axis;
 use crate::ir::{Builder, Value};
 use crate::target::Cost;
 use std::sync::{Arc, OnceLock};
@@ -16,6 +17,8 @@ pub const NAME: &str = "additive";
 
 /// Binary places that the product with the second condition loses, if that has 8 bits: whole bytes first. Set by hand.
 const SHIFTS: [u32; 2] = [8, 11];
+/// The usual second condition in words.
+const HUMIDITY: &str = "humidity";
 /// Bits of a second condition that the places above suit.
 const USUAL: u32 = 8;
 /// A form dominates another although its error is larger, if the difference is at most this share of the bound. Set by hand.
@@ -40,6 +43,8 @@ struct Additive {
     /// The form of the square, and its binary places beyond those of `slope`.
     bend: Option<(Box<dyn Form>, u32)>,
     floor: f64,
+    /// The second condition in words.
+    second: String,
     /// What the forms cost alone, together.
     cost: Cost,
     /// The error that refining left \[unit\].
@@ -77,6 +82,11 @@ struct Settled {
     least: f64,
 }
 
+/// What the code of a condition is called in words.
+pub(super) fn words(axis: &Axis) -> String {
+    axis.word().replace('_', " ")
+}
+
 /// Every pair of forms that could stay within the bound.
 pub(super) fn propose(fit: &Fit<'_>) -> Vec<Box<dyn Form>> {
     let plane = Plane::new(fit);
@@ -110,7 +120,9 @@ pub(super) fn propose(fit: &Fit<'_>) -> Vec<Box<dyn Form>> {
             for bend in &bends {
                 for slope in &slopes {
                     let growth = Arc::new(Growth::new(slope, bend.as_ref(), bits));
-                    let joined = |base| Box::new(Additive::join(base, &growth, floor)) as _;
+                    let second = words(&fit.device.conditions[1]);
+                    let joined =
+                        |base| Box::new(Additive::join(base, &growth, floor, &second)) as _;
                     found.extend(bases.iter().map(joined));
                 }
             }
@@ -191,13 +203,14 @@ fn duplicate_bend(bend: Option<&(Box<dyn Form>, u32)>) -> Option<(Box<dyn Form>,
 }
 
 impl Additive {
-    fn join(base: &Arc<Base>, growth: &Arc<Growth>, floor: f64) -> Self {
+    fn join(base: &Arc<Base>, growth: &Arc<Growth>, floor: f64, second: &str) -> Self {
         Self {
             base: base.form.duplicate(),
             slope: growth.slope.duplicate(),
             bits: growth.bits,
             bend: duplicate_bend(growth.bend.as_ref()),
             floor,
+            second: second.to_owned(),
             cost: base.cost + growth.cost,
             reached: None,
             base_part: Arc::clone(base),
@@ -212,6 +225,7 @@ impl Additive {
             bits: self.bits,
             bend: duplicate_bend(self.bend.as_ref()),
             floor: self.floor,
+            second: self.second.clone(),
             cost: self.cost,
             reached: self.reached,
             base_part: Arc::clone(&self.base_part),
@@ -230,8 +244,9 @@ impl Form for Additive {
             format!(" plus its square times {}", one(form.as_ref()))
         });
         format!(
-            "{} plus the humidity code times {}{bend}",
+            "{} plus the {} code times {}{bend}",
             self.base.describe(),
+            self.second,
             one(self.slope.as_ref())
         )
     }
@@ -275,35 +290,40 @@ impl Form for Additive {
 
     fn build(&self, builder: &mut Builder<'_>) -> Value {
         let humidity = second_index(builder);
+        let second = &self.second;
+        let [square, growth, rest] = if second == HUMIDITY {
+            ["humidity_square_", "humidity_", "dry_"]
+        } else {
+            ["further_square_", "further_", "first_"]
+        };
         let bend = self.bend.as_ref().map(|(form, more)| {
-            let before = builder.set_prefix("humidity_square_");
+            let before = builder.set_prefix(square);
             let factor = form.build(builder);
             let product = builder.multiply(humidity, factor);
             let value = floor_shift(builder, product, *more);
             let value = builder.name(
                 value,
                 "part",
-                "contribution of the squared humidity index to the change per humidity code",
+                format!(
+                    "contribution of the squared {second} index to the change per {second} code"
+                ),
             );
             builder.set_prefix(before);
             value
         });
-        let before = builder.set_prefix("humidity_");
+        let before = builder.set_prefix(growth);
         let slope = self.slope.build(builder);
         let slope = bend.map_or(slope, |bend| builder.add(slope, bend));
         let note = format!(
-            "change of speed per humidity code [2^-{} units of speed]",
+            "change of speed per {second} code [2^-{} units of speed]",
             self.bits
         );
         let slope = builder.name(slope, "growth", note);
         let product = builder.multiply(humidity, slope);
         let part = floor_shift(builder, product, self.bits);
-        let part = builder.name(
-            part,
-            "part",
-            "contribution of the humidity [units of speed]",
-        );
-        builder.set_prefix("dry_");
+        let note = format!("contribution of the {second} [units of speed]");
+        let part = builder.name(part, "part", note);
+        builder.set_prefix(rest);
         let base = self.base.build(builder);
         builder.set_prefix(before);
         builder.add(base, part)

@@ -9,6 +9,7 @@ use crate::device::Device;
 use crate::ir::{Builder, Value};
 use crate::reference::Line;
 use crate::target::Target;
+use crate::types::Range;
 use serde::Serialize;
 
 /// `distance = (((echo << time_bits) - delay) * factor + rounding) >> (scale_bits + time_bits) - offset`, where a short
@@ -199,7 +200,7 @@ impl Tail {
         );
         let factor = builder.name(factor, "speed", note);
         let echo = builder.echo();
-        let turned = self.is_turned(builder.device());
+        let turned = self.is_turned(builder.range(echo));
         let time = self.flight(builder, echo, turned);
         let mut product = builder.multiply(time, factor);
         let mut bits = self.scale_bits + self.time_bits;
@@ -235,10 +236,10 @@ impl Tail {
     /// Whether 2^`scale_bits` codes are added to the echo time, and taken off again as one speed factor, which is
     /// exact: the time less its delay is then never negative, and its product one of natural numbers of 16 bits. Of no
     /// use where every echo that is accepted is longer than the delay.
-    fn is_turned(&self, device: &Device) -> bool {
+    fn is_turned(&self, echo: Range) -> bool {
         let turn = 1_i64 << self.scale_bits;
-        let longest = device.echo.codes.maximum + turn - self.delay;
-        let short = device.echo.codes.minimum < self.delay && self.delay <= turn;
+        let longest = echo.maximum + turn - self.delay;
+        let short = echo.minimum < self.delay && self.delay <= turn;
         self.time_bits == 0 && short && longest < 1 << 16
     }
 
@@ -291,13 +292,20 @@ fn widths(narrow: u32, word: u32, device: &Device, target: Target) -> Vec<u32> {
     [narrow, word].into_iter().chain(whole).collect()
 }
 
+/// The delay \[echo codes\] and the offset \[unit\] that suit `lines` best.
+pub(super) fn delay_and_offset(lines: &[Line]) -> (f64, f64) {
+    let delay = fitted_delay(lines);
+    let (low, high) = ends(lines.iter().map(|line| line.wanted(delay)));
+    (delay, f64::midpoint(low, high))
+}
+
 /// The least and the largest offset \[unit\] that single lines would want beside this delay.
 fn rests(lines: &[Line], delay: i64, time_bits: u32) -> (f64, f64) {
     let delay = delay as f64 / f64::from(time_bits).exp2();
     ends(lines.iter().map(|line| line.wanted(delay)))
 }
 
-fn ends(values: impl Iterator<Item = f64>) -> (f64, f64) {
+pub(super) fn ends(values: impl Iterator<Item = f64>) -> (f64, f64) {
     values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
         (value.min(low), value.max(high))
     })

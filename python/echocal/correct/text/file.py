@@ -8,7 +8,6 @@ from dataclasses import replace
 from pathlib import Path
 from typing import IO, Any, TypeVar
 
-import numpy as np
 import pandas as pd
 
 from echocal.correct.corrector import Context, Corrector, Tally
@@ -17,16 +16,19 @@ from echocal.correct.logs import surroundings
 from echocal.correct.results import RESULTS, results
 from echocal.correct.rows import Rows
 from echocal.correct.stream import corrected, in_order
-from echocal.correct.text.parse import Block, Lines, Parser, blocks_of
+from echocal.correct.text.parse import Parser
 from echocal.errors import DataError, UsageError
 from echocal.keywords import command_line, keyword
 from echocal.model.folder import label
 from echocal.observations.file import TextFile
 from echocal.observations.found import CORRUPT, Found
+from echocal.observations.heading import fields_of
 from echocal.observations.hints import completed
 from echocal.observations.part import Part
 from echocal.observations.plan import make
+from echocal.observations.scanner import Block
 from echocal.observations.source import refuse_unstreamed
+from echocal.observations.text import blocks_of
 from echocal.outputs import opened_output
 
 __all__ = ["Text", "check_whole", "correct_blocks", "correct_text", "with_results", "writing_text"]
@@ -41,8 +43,6 @@ _FIXED = 230 << 20
 
 _TIMES = 12
 """Bytes of memory for each byte of a block, by each thread; measured."""
-_DIGITS = 9  # of a distance [m]: to a nanometer
-_SMALL = 1e-6  # below, numbers have an exponent
 
 
 class Text:
@@ -67,7 +67,7 @@ class Text:
                 + command_line("inspect", path, write="table.csv")
             )
             raise DataError(message) from None
-        self.parser = Parser(path, self.head, _kinds(names, job), _absent(job))
+        self.parser = Parser(self.head, _kinds(names, job), _absent(job))
         least, largest = _BLOCK
         size = (job.memory - _FIXED) // (_TIMES * (job.threads + 2))
         self.size = min(max(size, least), largest)
@@ -77,31 +77,27 @@ class Text:
         """Blocks of rows."""
         return blocks_of(self.file, self.size)
 
-    def checked(self, block: Block) -> Lines:
-        """Lines of a block, if it is text."""
-        try:
-            if not block.data.isascii():
-                block.data.decode()
-        except UnicodeError:
-            raise self.file.no_text() from None
-        return self.parser.lines(block)
+    def checked(self, block: Block) -> Block:
+        """The block, if it is text."""
+        if not block.is_text:
+            raise self.file.no_text()
+        return block
 
-    def parsed(self, block: Block) -> tuple[Lines, pd.DataFrame]:
-        """Lines of a block, and the columns that the models of its rows read."""
-        lines = self.checked(block)
+    def parsed(self, block: Block) -> pd.DataFrame:
+        """The columns that the models of its rows read."""
+        self.checked(block)
         corrector = self.corrector
         columns = corrector.columns
         if corrector.by:
-            lines, table = self.parser.table(block, lines, [corrector.by])
-            keys = table[corrector.by]
+            keys = self.parser.table(block, [corrector.by])[corrector.by]
             with self._lock:
                 corrector.prepare([label(value) for value in keys.unique().tolist()])
                 columns = corrector.columns
-        return self.parser.table(block, lines, columns)
+        return self.parser.table(block, columns)
 
     def tables(self) -> Iterator[pd.DataFrame]:
         """Needed columns of all rows, block by block."""
-        return (self.parsed(block)[1] for block in self.blocks())
+        return map(self.parsed, self.blocks())
 
 
 def correct_text(
@@ -140,14 +136,13 @@ def correct_text(
         above, header, end, units = _around_the_names(source)
         file.write(source.mark)
         if job.spreadsheet_safe:
-            header = text.parser.line_without_formulas(header)
+            header = text.parser.line_without_formulas(header, fields_of(header, separator))
         names = above + header_with_results(header, separator, job.reading.first) + end
         file.write((names + with_empty(units, separator)).encode())
 
-        def written(block: Block, lines: Lines, rows: Rows) -> tuple[int, bytes | memoryview]:
-            if job.spreadsheet_safe:
-                lines = text.parser.without_formulas(block, lines)
-            return len(rows.codes), with_results(lines, rows, separator, text.head.decimal)
+        def written(block: Block, rows: Rows) -> tuple[int, memoryview]:
+            own = text.parser.without_formulas(block) if job.spreadsheet_safe else block
+            return len(rows.codes), with_results(own, rows, separator, text.head.decimal)
 
         for count, data in correct_blocks(text, tally, log, written):
             file.write(data)
@@ -171,31 +166,30 @@ def check_whole(text: Text, tally: Tally) -> None:
 
 
 def correct_blocks(
-    text: Text, tally: Tally, log: Sequence[Path], made: Callable[[Block, Lines, Rows], Made]
+    text: Text, tally: Tally, log: Sequence[Path], made: Callable[[Block, Rows], Made]
 ) -> Iterator[Made]:
-    """What is made of each block, its lines and its results, in the order of the rows."""
+    """What is made of each block and its results, in the order of the rows."""
     job, corrector = text.job, text.corrector
     if not corrector.remembers and not corrector.rows_around:
 
         def work(block: Block) -> tuple[Rows, list[Part], Made]:
-            lines, table = text.parsed(block)
+            table = text.parsed(block)
             rows, parts = corrector.correct(table, Context(), (0, len(table)))
-            return rows, parts, made(block, lines, rows)
+            return rows, parts, made(block, rows)
 
         for rows, parts, one in in_order(text.blocks(), work, job.threads):
             tally.add(rows, parts)
             yield one
         return
-    held: dict[int, tuple[Block, Lines]] = {}
+    held: dict[int, Block] = {}
 
     def tables() -> Iterator[pd.DataFrame]:
         for place, block in enumerate(text.blocks()):
-            lines, table = text.parsed(block)
-            held[place] = block, lines
-            yield table
+            held[place] = block
+            yield text.parsed(block)
 
     around = _surroundings(text, log)
-    then = lambda rows, place: made(*held.pop(place), rows)  # noqa: E731
+    then = lambda rows, place: made(held.pop(place), rows)  # noqa: E731
     yield from corrected(tables(), corrector, tally, then, **around, threads=job.threads)
 
 
@@ -235,14 +229,11 @@ def _kinds(names: Sequence[str], job: Job) -> dict[str, str]:
     return kinds
 
 
-def _absent(job: Job) -> frozenset[str] | None:
+def _absent(job: Job) -> frozenset[str]:
     """Error codes that are texts, where these are the same for every column."""
     missing = job.reading.missing
-    by_column = missing if isinstance(missing, dict) else {"": missing}
-    texts = {name: [code for code in codes if not _is_number(code)] for name, codes in by_column.items()}
-    if any(own for name, own in texts.items() if name):
-        return None
-    return frozenset(texts.get("", ()))
+    codes = missing.get("", ()) if isinstance(missing, dict) else missing
+    return frozenset(code for code in codes if not _is_number(code))
 
 
 def _is_number(code: str) -> bool:
@@ -277,54 +268,12 @@ def with_empty(lines: Sequence[str], separator: str) -> str:
     return "".join(text + more + line[len(text) :] for text, line in zip(bare, lines, strict=True))
 
 
-def with_results(lines: Lines, rows: Rows, separator: str, decimal: str) -> bytes | memoryview:
+def with_results(block: Block, rows: Rows, separator: str, decimal: str) -> memoryview:
     """The lines of a block, each row with its results."""
-    if lines.records is not None:
-        made = _suffixes(rows, separator, decimal)
-        places = {place: number for number, place in enumerate(lines.rows)}
-        return "".join(
-            f"{text}{separator}{made[places[place]]}{end}" if place in places else text + end
-            for place, (text, end) in enumerate(lines.records)
-        ).encode()
-    assert lines.texts is not None
-    written = lines.texts.with_results(
-        rows.distance,
-        rows.uncertainty,
-        rows.codes,
-        [status.encode() for status in _statuses(rows, separator)],
-        separator.encode(),
-        ord(decimal),
-        bool(lines.last),
-    )
-    return written.data
-
-
-def _suffixes(rows: Rows, separator: str, decimal: str) -> list[str]:
-    """Results of each row as text; slower, and without Arrow."""
-    texts = [[_shortest(value).replace(".", decimal) for value in own] for own in _numbers(rows)]
-    status = _statuses(rows, separator)
-    own_status = [status[code] for code in rows.codes.tolist()]
-    return [separator.join(fields) for fields in zip(*texts, own_status, strict=True)]
-
-
-def _numbers(rows: Rows) -> tuple[Any, Any]:
-    return np.round(rows.distance, _DIGITS), rows.uncertainty
-
-
-def _statuses(rows: Rows, separator: str) -> list[str]:
-    """Both columns of the reason, by its place."""
     reasons = [_quoted(reason, separator) for reason in rows.reasons]
-    return [f"{reason}{separator}{reason}" for reason in reasons]
-
-
-def _shortest(number: Any) -> str:
-    """The same as Arrow writes."""
-    if np.isnan(number):
-        return ""
-    if 0.0 < abs(number) < _SMALL:
-        digits, exponent = np.format_float_scientific(number, trim="-").split("e")
-        return f"{digits}e{int(exponent)}"
-    return np.format_float_positional(number, trim="-")
+    status = [f"{reason}{separator}{reason}".encode() for reason in reasons]
+    written = block.lines.with_results(rows.distance, rows.uncertainty, rows.codes, status, ord(decimal))
+    return written.data
 
 
 def _quoted(reason: str, separator: str) -> str:

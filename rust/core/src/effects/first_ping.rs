@@ -27,7 +27,7 @@ impl Effect for FirstPing {
         edges: true,
         domain: "bursts with a recorded group or order",
         check: "record the order of the readings in each burst",
-        firmware: Firmware::Refused("drop the first reading of each burst"),
+        firmware: Firmware::Needs(Quantity::PositionInGroup),
         ..Facts::USUAL
     };
 

@@ -1,6 +1,6 @@
 //! Transducers whose resonance leaves the carrier.
 
-use super::{Effect, Facts, Firmware, ParameterFacts};
+use super::{Effect, Facts, ParameterFacts};
 use crate::chain::{Chain, Stage};
 use crate::conditions::Quantity;
 use crate::scalar::Scalar;
@@ -26,9 +26,6 @@ impl Effect for ResonanceDrift {
         }],
         domain: "transducers that are in tune at 25 degC; 40 K to either side",
         check: "measure at two distances and 0, 25 and 50 degC: it does not grow with distance",
-        firmware: Firmware::Refused(
-            "its delay changes with the temperature; the generator's forms have one delay for all",
-        ),
         ..Facts::USUAL
     };
 
