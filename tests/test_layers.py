@@ -16,7 +16,7 @@ PACKAGE = ROOT / "python" / "echocal"
 LAYERS = (
     {"_core", "_interrupt", "_verb", "errors", "keywords", "shown"},
     {"codes", "reserved", "concise", "outputs", "checksums", "objects"},
-    {"places", "sensors", "thermistor"},
+    {"places", "sensors", "thermistor", "time_outs"},
     {"quantities"},
     {"conditions"},
     {"domain", "air", "registry"},

@@ -71,7 +71,8 @@ def detect(view: View, own: Thresholds, settings: FaultSettings) -> Found | None
         frozen[start : start + length] = True
     live = view.after(view.without(frozen, FACTS.id))
     off = np.abs(view.indication[starts[long]] - expected_everywhere(live)[starts[long]])
-    frozen[starts[long][off <= settings.far.deviations * live.scatter]] = False  # it was measured
+    measured = off <= settings.far.deviations * live.scatter
+    frozen[starts[long][measured]] = False
     first, length = int(starts[long[0]]), int(lengths[long[0]])
     value = float(view.indication[first])
     because = (
@@ -80,7 +81,8 @@ def detect(view: View, own: Thresholds, settings: FaultSettings) -> Found | None
     )
     quantity = "echo_time" if view.observations.reading is None else "reading"
     shortest = int(lengths[long].min())
-    rules = (RowRule(reason=FACTS.id, kind="run", quantity=quantity, length=shortest),)
+    whole = not measured.all()  # a value that was never measured may come again
+    rules = (RowRule(reason=FACTS.id, kind="run", quantity=quantity, length=shortest, whole=whole),)
     return Found(frozen, evidence, because, (first + 1, length, value), rules=rules)
 
 
