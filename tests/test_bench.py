@@ -230,7 +230,8 @@ def test_the_table_of_an_earlier_experiment_is_kept(tmp_path: Path, monkeypatch:
 
 
 @pytest.mark.parametrize(
-    ("names", "silent"), [("echo_us", "0"), ("echo_us", "-1"), ("echo_us,status", "0,7")]
+    ("names", "silent"),
+    [("echo_us,status", "0,7"), *(("echo_us", silent) for silent in ("0", "-1", "38000", "65535"))],
 )
 def test_a_first_placement_without_an_echo_is_rows(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, names: str, silent: str
@@ -337,3 +338,30 @@ def test_a_port_that_is_silent_or_absent_is_told(monkeypatch: pytest.MonkeyPatch
     monkeypatch.setitem(sys.modules, "serial", None)
     with pytest.raises(UsageError, match=r"pip install 'echocal\[serial\]'"):
         Port("/dev/ttyUSB0", 9600)
+
+
+@pytest.mark.parametrize("silent", ["0", "-1", "38000", "36012", "Out of range"])
+def test_a_time_out_is_a_row_and_no_echo(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, random: np.random.Generator, silent: str
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    text, count = "", int(random.integers(1, 4))
+    for place in (2.0, 0.5, 1.0, 2.0, 0.5, 1.0):
+        lines = [str(one) for one in echoes(place, 8, random)] + count * [silent]
+        text += f"{place}\n" + "".join(f"{line}\n" for line in random.permutation(lines)) + "\n"
+    code, said = piped(["--names", "echo_us", "--at", "temperature=21.3"], text)
+    assert code == 0, said
+    assert said.count(f"8 of {8 + count} lines have an echo") == 6
+    assert len(pd.read_csv("ruler.csv", comment="#")) == 6 * (8 + count), "it is a row of the table"
+
+
+def test_an_echo_from_far_away_is_no_time_out(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A ranger for 10 m has echoes of 58 ms."""
+    monkeypatch.chdir(tmp_path)
+    text = "".join(
+        f"{place}\n" + "".join(f"{5825 * place + n:.0f}\n" for n in range(4)) + "\n"
+        for place in (9.0, 3.0, 6.5)
+    )
+    code, said = piped(["--names", "echo_us", "--at", "temperature=21", "--span", "2:9"], text)
+    assert code == 0, said
+    assert said.count("4 of 4 lines have an echo") == 3

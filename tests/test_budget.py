@@ -226,7 +226,7 @@ def test_limits_follow_the_temperature() -> None:
     found = echocal.budget(
         LAW, distance=1.0, temperature=[-20.0, 20.0], uncertainties={"thermometer": "DS18B20"}
     )
-    np.testing.assert_allclose(found.entries[0].standard_uncertainty * 3**0.5, [1.0, 0.5])
+    np.testing.assert_allclose(found.entries[0].standard_uncertainty * 3**0.5, [2.0, 0.5])
 
 
 @pytest.mark.parametrize(("law", "ppm"), [("cramer", 350.0), ("virial", 350.0), (LAW, 6000.0)])

@@ -222,3 +222,42 @@ def test_ghosts_of_the_desk_are_not_handed_on(shared: Path) -> None:
     marked = (corrected["unusable"] == "crosstalk").to_numpy()
     assert (marked & ghosts).sum() >= 0.97 * ghosts.sum()
     assert (marked & (fate == "used")).sum() <= 0.03 * ghosts.sum()
+
+
+@pytest.mark.parametrize("measured", [True, False])
+def test_the_first_row_of_a_frozen_stretch(measured: bool, random: np.random.Generator) -> None:
+    """It is a measurement, unless the sensor froze at a value that it did not measure."""
+    table = clean(random)
+    at = (40, 120)
+    for first in at:
+        table["reading_m"][first : first + 25] = table["reading_m"][first] if measured else 0.283
+    diagnosis = echocal.diagnose(table)
+    fate = diagnosis.row_table()["fate"].to_numpy()
+    assert [fate[first] == "stuck_reading" for first in at] == 2 * [not measured]
+    corrected = correct_table(pd.DataFrame(table), diagnosis.model).table
+    assert [corrected["unusable"][first] == "stuck_reading" for first in at] == 2 * [not measured]
+    assert (corrected["unusable"] == "stuck_reading").sum() >= 48
+    fresh = pd.DataFrame(clean(random)).drop(columns="distance_m")
+    fresh.loc[60:89, "reading_m"] = fresh["reading_m"][60] if measured else 0.283
+    again = correct_table(fresh, diagnosis.model).table["unusable"]
+    assert (again[61:90] == "stuck_reading").all()
+    assert (again[60] == "stuck_reading") == (not measured)
+
+
+def test_outliers_that_no_rule_finds_are_told(random: np.random.Generator) -> None:
+    """Of eight far rows in a row some are their own neighbors, and no reference says that they are far."""
+    count, missed = 300, 0
+    for _ in range(8):
+        reading = 1.5 + random.normal(0.0, 1e-3, count)
+        far = np.concatenate([first + np.arange(8) for first in (50, 130, 220)])
+        reading[far] = 0.9 + random.normal(0.0, 0.1, len(far))
+        table = pd.DataFrame({"reading_m": reading, "temperature_C": 20 + random.normal(0.0, 1.0, count)})
+        diagnosis = echocal.diagnose(table, constant_distance=True)
+        left_out = diagnosis.row_table()["fate"].to_numpy() != "used"
+        corrected = correct_table(table, diagnosis.model)
+        unmarked = int((left_out & (corrected.table["unusable"] == "").to_numpy()).sum())
+        notes = [n for n in corrected.notes if n.startswith("not checked: far from its neighbors")]
+        assert len(notes) == (unmarked > 0)
+        assert all(f"({unmarked} of " in note for note in notes)
+        missed += unmarked
+    assert missed

@@ -20,6 +20,7 @@ import echocal
 from echocal.cli import _front, app
 from echocal.diagnose.results.brief import brief
 from echocal.errors import UsageError
+from echocal.observations.inspection import inspect_log
 
 Run = Callable[..., tuple[int, str]]
 LABELS = ["what is wrong", "by how much", "how sure", "written", "what next"]
@@ -281,3 +282,58 @@ def test_what_stands_in_the_beam_is_told_with_its_place_and_what_to_do(random: n
     (at,) = re.findall(r"distance = ([0-9.]+)\([0-9]+\) mm", said.size)
     assert float(at) == pytest.approx(1700.0, abs=1.5)
     assert "look along the beam" in said.next
+
+
+def raw(random: np.random.Generator, count: int = 120) -> pd.DataFrame:
+    """Echo, the device's own distance and temperature, 15 mm too long, with what a ruler says."""
+    true = np.repeat(random.uniform(0.4, 3.0, count // 10), 10)
+    air = 15.0 + 5.0 * np.sin(np.arange(count) / 17.0)
+    device = echocal.Model("linear")
+    echo = device.time_of_flight(true + 15e-3 + random.normal(0.0, 1e-3, count), temperature=air)
+    reading = device.distance(echo, temperature=air)
+    return pd.DataFrame(
+        {
+            "echo_us": (1e6 * echo).round(),
+            "distance_mm": (1e3 * reading).round(),
+            "temperature_C": air.round(2),
+            "true_mm": (1e3 * true).round(),
+        }
+    )
+
+
+def test_what_a_device_computes_is_no_reference(random: np.random.Generator) -> None:
+    table = raw(random)
+    both = {one.name: one.proposal.request for one in inspect_log(table).columns}
+    assert (both["distance_mm"], both["true_mm"]) == ("reading_mm", "distance_mm")
+    alone = inspect_log(table.drop(columns="true_mm")).columns[1].proposal
+    assert (alone.request, alone.guess) == ("reading_mm", True)
+    assert "follows from 'echo_us'" in alone.reason
+    ruler = table.drop(columns="distance_mm").rename(columns={"true_mm": "distance_mm"})
+    assert inspect_log(ruler).columns[2].proposal.request == "distance_mm"
+
+
+def test_a_log_of_several_sensors_is_not_taken_for_one(tmp_path: Path, random: np.random.Generator) -> None:
+    parts = [raw(random).drop(columns="distance_mm").assign(sensor=name) for name in "AB"]
+    pd.concat(parts).rename(columns={"true_mm": "distance_mm"}).to_csv(tmp_path / "two.csv", index=False)
+    told = str(CliRunner().invoke(app, [str(tmp_path / "two.csv"), "--yes"]).exception)
+    assert "whether the 2 values of 'sensor' are as many sensors" in told
+    assert "--by sensor" in told
+    words = [str(tmp_path / "two.csv"), "--column", "sensor=extra", "-o", str(tmp_path / "out")]
+    assert CliRunner().invoke(app, words).exit_code == 0
+
+
+@pytest.mark.parametrize("name", ["Sollabstand [cm]", "Referenzabstand (cm)"])
+def test_compounds_are_their_words(name: str, random: np.random.Generator) -> None:
+    table = raw(random)[["distance_mm", "temperature_C"]].rename(columns={"distance_mm": "Messwert [mm]"})
+    table[name] = raw(random)["true_mm"] / 10
+    proposed = {one.name: one.proposal.request for one in inspect_log(table).columns}
+    assert proposed[name] == "distance_cm"
+    assert proposed["Messwert [mm]"] == "reading_mm"
+
+
+def test_a_gauge_beside_a_level_is_no_reading(tmp_path: Path, random: np.random.Generator) -> None:
+    level = 0.8 + 0.5 * np.sin(np.arange(200) / 30) + random.normal(0.0, 0.01, 200)
+    table = {"Water level [m]": level.round(3), "Staff gauge [m]": level.round(2), "Air temp [°C]": 15.0}
+    pd.DataFrame(table).to_csv(tmp_path / "pegel.csv", index=False)
+    told = str(CliRunner().invoke(app, [str(tmp_path / "pegel.csv"), "--yes"]).exception)
+    assert '--column "Water level [m]=level_m" --mount-height METERS' in told

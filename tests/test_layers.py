@@ -16,7 +16,7 @@ PACKAGE = ROOT / "python" / "echocal"
 LAYERS = (
     {"_core", "_interrupt", "_verb", "errors", "keywords", "shown"},
     {"codes", "reserved", "concise", "outputs", "checksums", "objects"},
-    {"places", "sensors", "thermistor"},
+    {"places", "sensors", "thermistor", "time_outs"},
     {"quantities"},
     {"conditions"},
     {"domain", "air", "registry"},
@@ -28,7 +28,7 @@ LAYERS = (
     {"diagnose", "silicon", "echoes", "verify", "generated", "device_uncertainty", "recorded", "further"},
     {"charts"},
     {"plots", "report", "firmware"},
-    {"study", "explore", "per_unit", "emulation", "fleet", "watch", "accessor", "estimator"},
+    {"study", "explore", "per_unit", "lagging", "emulation", "fleet", "watch", "accessor", "estimator"},
     {"pages", "_accessors", "serve", "bench"},
     {"cli"},
 )

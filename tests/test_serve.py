@@ -5,6 +5,7 @@ import importlib
 import io
 import json
 import os
+import re
 import socket
 import subprocess
 import sys
@@ -22,6 +23,8 @@ import pytest
 from browsed import Text, chromium
 
 import echocal
+from echocal.keywords import on_page
+from echocal.serve.fields import BASE, DISTANCES, FIELDS, SPEED, TEMPERATURE
 from echocal.serve.server import OwnPagesOnly
 from echocal.serve.session import Session
 
@@ -97,6 +100,61 @@ def test_a_session_takes_what_no_column_holds(random: np.random.Generator) -> No
     session.diagnose(base="linear", placements="0.5,1.2,2.5")
     assert "corrected_level_m" in session.products()["tank corrected.csv"]
     session.close()
+
+
+def test_messages_have_the_words_of_the_fields(random: np.random.Generator) -> None:
+    """Each refusal, and each note, names what is on the page; a flag only where the page has no field."""
+    told: list[str] = []
+    with on_page(FIELDS):
+        session = Session()
+        for columns, request in (
+            ({}, {}),
+            ({"SR_U": "reading_m"}, {}),
+            ({"SR_U": "reading_m", "Asp": "temperature_C"}, {}),
+            ({"SR_U": "level_m", "Asp": "temperature_C", "tape": "distance_m"}, {}),
+            ({"SR_U": "reading_m", "Asp": "temperature_C", "tape": "ignore"}, {"reference_distance": 150.0}),
+            ({"SR_U": "reading_m", "Asp": "temperature_C", "tape": "ignore"}, {}),
+            ({"SR_U": "reading_m", "Asp": "temperature_C", "tape": "distance_m"}, {}),
+            ({"SR_U": "reading_m", "Asp": "temperature_C"}, {"constant_distance": True, "placements": "1"}),
+        ):
+            session.open("my log.csv", log(random).encode())
+            try:
+                for column, meant in columns.items():
+                    session.take(column, meant)
+                session.diagnose(**request)
+                assert session.diagnosis is not None
+                told += session.diagnosis.notes
+            except echocal.EchocalError as error:
+                told.append(str(error))
+            assert session.inspection is not None
+            told += [*session.inspection.notes, session.inspection.refusal]
+    known = re.compile(r"echocal [a-z]+ .*|--\S+[^-]* of the command")
+    flags = [text for text in told if re.search(r"--[a-z]", known.sub("", text))]
+    assert not flags, flags
+    assert any(f'"{SPEED}": 343' in text for text in told), told
+    assert any(f'"{TEMPERATURE}": 20+-2' in text for text in told), told
+    assert any(f'choose "{DISTANCES["constant"]}"' in text for text in told), told
+    assert any("choose distance_m beside 'NAME'" in text or "beside '" in text for text in told)
+
+
+def test_the_speed_of_the_readings_has_a_field(random: np.random.Generator) -> None:
+    session, text = Session(), log(random)
+    session.open("my log.csv", text.encode())
+    for column, request in (("SR_U", "reading_m"), ("Asp", "temperature_C"), ("tape", "distance_m")):
+        session.take(column, request)
+    session.say(reading_speed="343")
+    session.diagnose(base="linear")
+    assert session.diagnosis is not None
+    columns = {"SR_U": "reading_m", "Asp": "temperature_C", "tape": "distance_m"}
+    alone = echocal.diagnose(pd.read_csv(io.StringIO(text)), columns=columns, reading_speed=343)
+    assert session.diagnosis.posterior == alone.posterior
+    products = session.products()
+    assert "--reading-speed 343" in Text(products["my log report.html"]).seen
+    corrected = echocal.correct(
+        pd.read_csv(io.StringIO(text)), alone.model, columns=columns, reading_speed=343
+    ).table["corrected_distance_m"]
+    found = pd.read_csv(io.StringIO(products["my log corrected.csv"]))["corrected_distance_m"]
+    np.testing.assert_allclose(found, corrected, rtol=0, atol=1e-9)
 
 
 @pytest.mark.parametrize(
@@ -205,10 +263,10 @@ def test_a_phone_from_a_log_to_its_c(address: str, random: np.random.Generator, 
             page.get_by_text("as you say").nth(place).wait_for()
         playwright.expect(page.get_by_text("180 of 180 rows can be used")).to_be_visible()
         playwright.expect(page.get_by_role("alert")).to_be_hidden()
-        page.get_by_label("speed of sound that").fill("343 bananas")
+        page.get_by_label(BASE).fill("343 bananas")
         page.get_by_role("button", name="Diagnose").click()
         playwright.expect(page.get_by_role("alert")).to_contain_text("343 bananas")
-        page.get_by_label("speed of sound that").fill("331.4+0.6*T")
+        page.get_by_label(BASE).fill("331.4+0.6*T")
         page.evaluate(SEEN)
         page.get_by_role("button", name="Diagnose").click()
         report = page.frame_locator("iframe")

@@ -1,5 +1,6 @@
 """Several rangers in columns beside each other: one is chosen, or each is a table."""
 
+import re
 import shlex
 from pathlib import Path
 
@@ -10,6 +11,7 @@ from typer.testing import CliRunner
 
 import echocal
 from echocal.cli import app
+from echocal.observations.inspection import inspect_log
 
 FAST = echocal.Model("linear", {"clock_error": {"frequency_error": 0.01}})
 
@@ -63,15 +65,19 @@ def test_two_that_may_be_the_reading_are_told() -> None:
 
 
 @pytest.mark.parametrize(
-    ("columns", "says"),
-    [
-        ({"left (cm)": "reading_cm", "right (mm)": "temperature_C"}, "say what 'right \\(mm\\)' holds"),
-        ({"left (cm)": "reading_cm"}, "say what 'right \\(mm\\)' holds"),
-    ],
+    ("right", "columns"), [("right (mm)", {"right (mm)": "temperature_C"}), ("right", {})]
 )
-def test_a_column_that_is_no_ranger_is_refused(columns: dict[str, str], says: str) -> None:
-    with pytest.raises(echocal.UsageError, match=says):
-        echocal.diagnose_many(two(), by="left (cm),right (mm)", columns=columns)
+def test_a_column_that_is_no_ranger_is_refused(right: str, columns: dict[str, str]) -> None:
+    table = two().rename(columns={"right (mm)": right})
+    with pytest.raises(echocal.UsageError, match=f"say what '{re.escape(right)}' holds"):
+        echocal.diagnose_many(table, by=f"left (cm),{right}", columns={"left (cm)": "reading_cm", **columns})
+
+
+def test_rangers_need_no_meaning_beside_their_units() -> None:
+    units = echocal.diagnose_many(two(), by=",".join(COLUMNS))
+    said = echocal.diagnose_many(two(), by=",".join(COLUMNS), columns=COLUMNS)
+    for name, own in units.tables.items():
+        assert own.diagnosis.gain.rms_after_m == said.tables[name].diagnosis.gain.rms_after_m
 
 
 def test_a_list_of_names_is_as_their_text() -> None:
@@ -142,3 +148,48 @@ def test_rangers_without_a_model_are_told(
     assert done.exit_code != 0
     assert told in str(done.exception)
     assert not Path("new").exists()
+
+
+NAMES = {"left_cm": 100.0, "s1_mm": 1000.0, "left_us": 2e6 / 343, "left": 100.0}
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_rangers_beside_a_reference_are_no_other_quantity(name: str, tmp_path: Path) -> None:
+    """The values say that they are readings of the distance, whatever they are called."""
+    unit, other = name.rpartition("_")[2], name.replace("left", "right").replace("s1", "s2")
+    table = two(5)
+    table = pd.DataFrame(
+        {
+            "distance_m": table["distance_m"].round(3),
+            name: (NAMES[name] * table["left (cm)"] / 100).round(1),
+            other: (NAMES[name] * table["right (mm)"] / 1000).round(1),
+            "temperature_C": table["temperature_C"],
+        }
+    )
+    table.to_csv(tmp_path / "robot.csv", index=False)
+    found = inspect_log(tmp_path / "robot.csv")
+    proposed = {column.name: column.proposal for column in found.columns}
+    role = "echo_us" if unit == "us" else f"reading_{unit if unit in ('cm', 'mm') else 'cm'}"
+    assert proposed["distance_m"].request == "distance_m"
+    assert proposed[name].request == role
+    assert proposed[name].guess
+    assert f"and so '{other}'" in proposed[name].reason
+    assert f"{name},{other}" in proposed[name].reason
+    with pytest.raises(echocal.DataError) as refused:
+        echocal.diagnose(table)
+    assert "sensor indicates 'distance_m'" not in str(refused.value)
+    if unit == name:  # no unit says which it is
+        return
+    each = echocal.diagnose_many(table, by=f"{name},{other}")
+    assert [own.diagnosis.rows["used"] for own in each.tables.values()] == [96, 96]
+
+
+def test_what_does_not_follow_the_reference_is_no_ranger(tmp_path: Path) -> None:
+    table = two(6)[["distance_m", "temperature_C"]].round(3)
+    rng = np.random.default_rng(6)
+    table["wall_cm"], table["width_cm"] = 250.0, rng.uniform(40, 260, len(table)).round(1)
+    table.to_csv(tmp_path / "robot.csv", index=False)
+    proposed = {
+        column.name: column.proposal.request for column in inspect_log(tmp_path / "robot.csv").columns
+    }
+    assert not {proposed["wall_cm"], proposed["width_cm"]} & {"reading_cm"}

@@ -8,7 +8,7 @@ pub use crate::axis::Axis;
 use crate::axis::SLACK;
 
 /// Without an echo an SRF04 ends its pulse after "about 36 ms" (documentation of its maker), an HC-SR04 after 38 ms (data
-/// sheet). A pulse longer than this \[us\], 2.8 % less as `echocal.echoes` has it, and than the accepted ones, is no echo.
+/// sheet). A pulse longer than this \[us\], 2.8 % less as `echocal.time_outs` has it, and than the accepted ones, is no echo.
 const TIME_OUT: f64 = 35_000.0;
 
 /// What `status` returns: whether the codes are accepted, or why not. A text in words for each.

@@ -10,18 +10,14 @@ from echocal import _core
 from echocal.codes import EchoCodes, codes_of, count
 from echocal.errors import DomainWarning, UsageError
 from echocal.keywords import keyword
+from echocal.time_outs import LONGEST_US
 
 __all__ = ["BLANKING_M", "Accepted", "accepted", "warn_of"]
 
 BLANKING_M = 0.02
 """Least distance that an HC-SR04 measures [m]; its data sheet says 2 cm to 400 cm."""
 
-# Without an echo a module reports a pulse, too, its time-out: an SRF04 one of "about 36 ms" (technical
-# documentation of its maker), an HC-SR04 one of 38 ms (data sheet). Those of copies are longer or, on
-# forum.arduino.cc 613370, shorter; some never end (forum.arduino.cc 55119).
 _TIMEOUT = "the time-out pulse of an SRF04 or HC-SR04 without an echo, 36 to 38 ms,"
-_LONGEST_US = 35_000.0
-"""Longest default echo time [us]: a round number, 2.8 % below the shorter time-out of 36 ms."""
 
 _BITS = (16, 32)
 _CODES = {16: 65_535, 32: 2**24 - 1}  # codes above 0: of a uint16_t; those that are proven in a minute
@@ -87,7 +83,7 @@ def accepted(model: _core.Model, request: Mapping[str, Any], echo: Echo) -> Acce
         message = f"{keyword('bits', asked.bits)}: a timer has 16 or 32 bits in this version"
         raise UsageError(message)
     if not (math.isfinite(tick) and tick > 0):
-        return Accepted(tick, 0.0, _LONGEST_US)
+        return Accepted(tick, 0.0, LONGEST_US)
     if shortest is not None and longest is not None:
         return Accepted(tick, float(shortest), float(longest), bits)
     most = _most(tick, bits) if longest is None else float(longest)
@@ -116,10 +112,10 @@ def _asked(echo: Echo) -> EchoCodes:
 
 def _most(tick: float, bits: int) -> float:
     """Return the longest default echo time [us]: a code of the timer."""
-    code = min(_CODES[bits], math.floor(_LONGEST_US / tick + _SLACK))
+    code = min(_CODES[bits], math.floor(LONGEST_US / tick + _SLACK))
     if code < 1:
         message = (
-            f"a tick of {tick:g} us is longer than any echo, {_LONGEST_US:g} us: give a finer one "
+            f"a tick of {tick:g} us is longer than any echo, {LONGEST_US:g} us: give a finer one "
             f"({keyword('lsb')})"
         )
         raise UsageError(message)
@@ -162,7 +158,7 @@ def _last(
     if last <= most:
         return last, None
     reach = BLANKING_M + (largest - BLANKING_M) * (most - latest[0]) / (far - latest[0])
-    if tick * _CODES[bits] < _LONGEST_US:
+    if tick * _CODES[bits] < LONGEST_US:
         wider = f"a timer of 32 bits ({keyword('bits', 32)}), " if bits == 16 else ""
         why = (
             f"a {bits}-bit timer with a tick of {tick:g} us ends there; {wider}a coarser tick "
@@ -220,10 +216,10 @@ def _doubts(times: Accepted) -> Iterator[str]:
             "an echo time of 0 us is accepted: that is what Arduino's pulseIn() gives without an echo, and "
             "it is then returned as a distance; an echo min above 0 us refuses it"
         )
-    if times.longest > _LONGEST_US:
+    if times.longest > LONGEST_US:
         yield (
             f"echo times to {times.longest:g} us are accepted: {_TIMEOUT} is then returned as a distance of "
-            f"6.2 to 6.5 m; an echo max of {_LONGEST_US:g} us or less refuses it"
+            f"6.2 to 6.5 m; an echo max of {LONGEST_US:g} us or less refuses it"
         )
     if times.cut:
         yield times.cut

@@ -1,4 +1,4 @@
-"""How a message names a keyword argument: as Python spells it, or as the flag of the command that runs."""
+"""How a message names a keyword argument: as Python spells it, by a command's flag, or by a page's field."""
 
 import shlex
 from collections.abc import Callable, Iterator, Mapping
@@ -8,16 +8,19 @@ from numbers import Real
 from pathlib import PurePath
 from typing import Any
 
-__all__ = ["as_here", "by_caller", "command_line", "exact", "keyword", "naming"]
+__all__ = ["as_here", "by_caller", "command_line", "exact", "keyword", "naming", "on_page"]
 
 _flags: Mapping[str, str] | None = None
 """Flag of each keyword of the command that runs; None where Python calls. One for all threads."""
+_fields: Mapping[str, str] | None = None
+"""Words for each keyword on the page that is served; None where there is no page."""
 
 
 def keyword(name: str, *value: Any) -> str:
     """Name a keyword argument to the user, with its value if there is one.
 
-    A command has no keywords. While one runs, the same call gives its flag.
+    A command has no keywords. While one runs, the same call gives its flag. While a page is served, it gives
+    the words of the page's field.
 
     Examples
     --------
@@ -27,9 +30,16 @@ def keyword(name: str, *value: Any) -> str:
     ...     print(keyword("round_mm", 0.5), keyword("columns", {"SR_U": "reading_m"}), keyword("force", True))
     --round-mm 0.5 --column "SR_U=reading_m" --force
     """
+    if _fields is not None:
+        return _on_page(_fields, name, value)
     if _flags is None:
         return "=".join([name, *map(_python, value)])
-    flag = _flags.get(name) or _flag(name)
+    return _as_flag(name, value, _flags)
+
+
+def _as_flag(name: str, value: tuple[Any, ...], flags: Mapping[str, str]) -> str:
+    """The flag of a command, with the value if there is one."""
+    flag = flags.get(name) or _flag(name)
     match value:
         case (bool(given),):
             return flag if given else flag.replace("--", "--no-", 1)
@@ -98,13 +108,55 @@ def naming(flags: Mapping[str, str] | None) -> Iterator[None]:
         _flags = before
 
 
+@contextmanager
+def on_page(fields: Mapping[str, str] | None) -> Iterator[None]:
+    """Name keywords by the fields of a page while a block runs.
+
+    The words of a field may have ``{0}`` for a name and ``{1}`` for its value, ``{1}`` alone for a value
+    without a name. What has no field is a flag of the command that does the same.
+
+    Examples
+    --------
+    >>> with on_page({"columns": "choose {1} beside '{0}'", "base": "'base': {1}"}):
+    ...     print(keyword("columns", {"SR_U": "reading_m"}), keyword("base", 343), keyword("base"), sep="; ")
+    ...     print(keyword("decimal", ","))
+    choose reading_m beside 'SR_U'; 'base': 343; 'base'
+    --decimal , of the command, for which this page has no field
+    """
+    global _fields
+    before, _fields = _fields, fields
+    try:
+        yield
+    finally:
+        _fields = before
+
+
+def _on_page(fields: Mapping[str, str], name: str, value: tuple[Any, ...]) -> str:
+    """The field of a page, with the value if there is one."""
+    match value:
+        case (Mapping() as pairs,):
+            own = {f"{name}.{one}": text for one, text in pairs.items()}
+            found = [fields.get(key, fields.get(name, "")) for key in own]
+            if all(found):
+                words = zip(found, pairs.items(), strict=True)
+                return ", ".join(text.format(one, _plain(to)) for text, (one, to) in words)
+        case _ if name in fields:
+            given = _plain(value[0]) if value and not isinstance(value[0], bool) else ""
+            text = fields[name]
+            return text.format("", given) if given else text.partition(": {1}")[0]
+    return f"{_as_flag(name, value, {})} of the command, for which this page has no field"
+
+
 def as_here(work: Callable[..., Any]) -> Callable[..., Any]:
     """The same work, which names keywords in another process as this one does."""
-    return partial(_named, None if _flags is None else dict(_flags), work)
+    flags, fields = (None if own is None else dict(own) for own in (_flags, _fields))
+    return partial(_named, flags, fields, work)
 
 
-def _named(flags: Mapping[str, str] | None, work: Callable[..., Any], task: Any) -> Any:
-    with naming(flags):
+def _named(
+    flags: Mapping[str, str] | None, fields: Mapping[str, str] | None, work: Callable[..., Any], task: Any
+) -> Any:
+    with naming(flags), on_page(fields):
         return work(task)
 
 

@@ -30,8 +30,11 @@ def _cells(limits: Limits) -> str:
     shown = QUANTITIES[limits.quantity].shown
     unit = {"degC": "K"}.get(QUANTITIES[limits.quantity].unit, shown.unit)
     several = len(limits.ranges) > 1 or limits.quantity == "temperature"
+    scale = "°C" if limits.quantity == "temperature" else unit
+    factor = 1.0 if limits.quantity == "temperature" else shown.factor
     ranges = "; ".join(
-        f"±{half * shown.factor:g} {unit}" + (f" from {low:g} to {high:g} °C" if several else "")
+        f"±{half * shown.factor:g} {unit}"
+        + (f" from {low * factor:g} to {high * factor:g} {scale}" if several else "")
         for low, high, half in limits.ranges
     )
     step = f"{limits.resolution * shown.factor:g} {unit}" if limits.resolution else "not stated"

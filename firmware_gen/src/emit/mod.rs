@@ -29,7 +29,7 @@ use serde::Serialize;
 use text::{named, renamed, table_text};
 
 pub use text::Local;
-pub use unit::unit_files;
+pub use unit::{air_files, unit_files};
 
 /// Longest time \[us\] from the trigger pulse to the echo pulse, of a round number. An HC-SR04 takes 0.5 ms, some copies
 /// take 12.3 ms (esphome/esphome, pull request 12897); this is twice that. Time-outs of `pulseIn()`, and of ESPHome

@@ -21,6 +21,8 @@ const TEMPLATES: &[(&str, &str)] = templates![
     "c/echocal_selftest_main.c",
     "c/program_memory",
     "c/middle",
+    "c/echocal_air.h",
+    "c/echocal_air.c",
     "c/echocal_unit.h",
     "c/echocal_unit.c",
     "arduino/sketch",

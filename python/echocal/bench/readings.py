@@ -15,6 +15,7 @@ from echocal.observations.inspection import ColumnFacts, Inspection, inspect_log
 from echocal.observations.names import IGNORE
 from echocal.observations.numbers import says_no_echo
 from echocal.observations.options import ReadOptions
+from echocal.time_outs import is_echo
 
 __all__ = ["Placement", "Ruler"]
 
@@ -120,8 +121,8 @@ class Ruler:
         """Take a condition that lines do not tell, as ``at`` of `echocal.read_observations`."""
         self.options = replace(self.options, at={**(self.options.at or {}), name: value})
 
-    def placement(self, lines: Sequence[str]) -> Placement:
-        """The rows of a placement.
+    def placement(self, lines: Sequence[str], distance: float) -> Placement:
+        """The rows of a placement, where the target is so far away [m].
 
         Raises
         ------
@@ -131,11 +132,11 @@ class Ruler:
         found = self.looked_at(lines)
         if found is None:
             return Placement(pd.DataFrame(index=range(len(lines))), len(lines), 0)
-        usable = found.usable
-        if usable is None:
-            if not _is_silent(found):
-                raise DataError(found.refusal)
-            usable = 0
+        data, usable = found.observations, 0
+        if data is not None:
+            usable = int((data.usable & is_echo(data.echo_time, distance)).sum())
+        elif not _is_silent(found):
+            raise DataError(found.refusal)
         names = {column.name: _name(column) for column in found.columns}
         for name, codes in found.missing.items():
             own = self.codes.setdefault(names.get(name, name), [])

@@ -21,6 +21,7 @@ from echocal.observations import Observations
 from echocal.observations.at import sentences, uncertain
 from echocal.observations.correction import corrected_distance
 from echocal.observations.given import READ_OPTIONS, observed
+from echocal.observations.quantization_grid import FINEST_STEP, find_grid
 from echocal.quantities import QUANTITIES
 from echocal.sweep.grid import axis
 
@@ -34,6 +35,8 @@ TRIALS = 10_000
 _DRAWN_ROWS = 50
 """Rows that are drawn; a simulation of one takes as long as a diagnosis of ten thousand."""
 _LARGEST = 100_000
+_COARSER = 1.5
+"""Times the step of the model's rows, which is that of a distance: more than any law changes it by."""
 
 
 def budget(
@@ -179,11 +182,13 @@ def _notes(
     residual = model.residual_uncertainty
     if residual is None:
         notes.append("the model does not state the repeatability of a reading: state it, e.g. reading_mm=1")
+        notes += _of_steps(rows, stated, 0.0)
     else:
         notes.append(
             "what the rows of the model showed of its thermometer, timer and law is in its repeatability; "
             "state only what is new"
         )
+        notes += _of_steps(rows, stated, residual.step)
         far = 3.0 * found.standard_uncertainty
         outside = (distance + far < residual.low) | (distance - far > residual.high)
         if residual.rows and outside.any():
@@ -202,6 +207,22 @@ def _notes(
             f"the model does not read {ignored[0].replace('_', ' ')}, so its uncertainty adds nothing"
         )
     return notes
+
+
+def _of_steps(rows: Observations, stated: Uncertainties, known: float) -> list[str]:
+    """What to say of the steps of readings, where the repeatability has the rounding of `known` steps [m]."""
+    asked = [f"{name}={value}" for name, value in stated.instruments.items() if name.startswith("resolution")]
+    if known and asked:
+        return [
+            f"the repeatability of the model has the rounding to steps of {1e3 * known:.3g} mm: only what is "
+            f"more of {asked[0]} counts"
+        ]
+    grid = None if asked or rows.reading is None else find_grid(rows.reading[rows.usable])
+    if grid is None or grid.step < max(_COARSER * known, FINEST_STEP):
+        return []
+    beside = f", and the model knows of steps of {1e3 * known:.3g} mm" if known else ""
+    step = f"{1e3 * grid.step:.3g}"
+    return [f"the readings are in steps of {step} mm{beside}: state them, resolution_mm={step}"]
 
 
 def observations_of(model: Model, given: dict[str, Any]) -> Observations:

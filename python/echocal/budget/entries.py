@@ -259,7 +259,8 @@ def _of_source(
         bare = {name: own for name, own in given.items() if not is_extra(name)}
         slope = model.without_shape().jacobian(distance, **bare)[:, 0]
         sensitivity = base_indication(observations, indication_law(model)) / values / slope
-        return [entry(source.quantity, source.standard_uncertainty(values), unit, sensitivity)]
+        size = _new(source, model, source.standard_uncertainty(values), sensitivity)
+        return [entry(source.quantity, size, unit, sensitivity)]
     if source.quantity == TAPE:
         at = distance if observations.reference_distance is None else observations.reference_distance
         return [entry(TAPE, source.standard_uncertainty(at), "m", np.ones(len(distance)))]
@@ -276,6 +277,15 @@ def _of_source(
                 slope = _slope(observations, model, quantity, recorded, size)
                 found.append(entry(quantity, size, QUANTITIES[quantity].unit, slope))
     return found
+
+
+def _new(source: Source, model: Model, size: Column, sensitivity: Column) -> Column:
+    """Standard uncertainty without the rounding that the repeatability of the model has already."""
+    residual = model.residual_uncertainty
+    if not source.rounding or residual is None or not residual.step:
+        return size
+    known = residual.step / 12**0.5 / np.abs(sensitivity)
+    return np.asarray(np.sqrt(np.maximum(size**2 - known**2, 0.0)))
 
 
 def values_of(observations: Observations, model: Model, quantity: str) -> Column | None:

@@ -39,6 +39,8 @@ class Source:
     origin: str = "stated"
     """Where the number is from."""
     degrees_of_freedom: float = inf
+    rounding: bool = False
+    """Whether it is the rounding of an indication to steps, which rows of a model show, too."""
 
     def standard_uncertainty(self, values: Column) -> Column:
         """Standard uncertainty at some values of the quantity, shape (n,) [SI]."""
@@ -66,7 +68,7 @@ def of_instrument(limits: Limits) -> list[Source]:
 
 def of_step(quantity: str, words: str, step: float, origin: str = "stated") -> Source:
     """Source of an indication in steps: half a step to either side (JCGM 100:2008, F.2.2.1)."""
-    return Source(quantity, words, "rectangular", 0.5 * step, origin=origin)
+    return Source(quantity, words, "rectangular", 0.5 * step, origin=origin, rounding=True)
 
 
 def of_tape(class_: str) -> Source:

@@ -4,6 +4,7 @@ import shlex
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -183,6 +184,8 @@ def _settled(log: Path, known: _Answers, yes: bool, console: Console) -> Inspect
         else:
             open_.append(question)
 
+    for name in _sensors(found, known)[:1]:
+        settle(_about_sensors(log, name, found.sensors[name]), partial(_one_sensor, log, name, known))
     guesses = [column for column in found.columns if column.proposal.guess]
     if guesses or found.missing:
         if yes or not guesses:
@@ -191,8 +194,7 @@ def _settled(log: Path, known: _Answers, yes: bool, console: Console) -> Inspect
             settle(_about_guesses(found), lambda: _confirm(found, known))
     if not _has(found, known, "temperature"):
         settle(_TEMPERATURE, lambda: _ask_temperature(known))
-    stated = known.elsewhere or known.constant_distance or known.reference_distance is not None
-    if not stated and not _has(found, known, "reference_distance"):
+    if not _is_stated(known) and not _has(found, known, "reference_distance"):
         settle(_DISTANCE, lambda: _ask_distance(known))
     if open_:
         flags = "; ".join(f"{one.what} ({one.flags})" for one in open_)
@@ -218,6 +220,30 @@ _DISTANCE = _Question(
     'or --column "NAME=distance_m"',
     "reference_distance",
 )
+
+
+def _is_stated(known: _Answers) -> bool:
+    """Whether the user says where the target is."""
+    return known.elsewhere or known.constant_distance or known.reference_distance is not None
+
+
+def _sensors(found: Inspection, known: _Answers) -> list[str]:
+    """Columns that tell sensors apart, of which nobody has said what they are."""
+    return [name for name in found.sensors if name not in known.reading.requests]
+
+
+def _about_sensors(log: Path, name: str, count: int) -> _Question:
+    each = command_line("diagnose", log, by=name)
+    what = f"whether the {count} values of {name!r} are as many sensors"
+    text = f"{name!r} has {count} values, as where each is a sensor. Are all rows of one sensor?"
+    return _Question(what, text, f'each alone: {each}; if they are one: --column "{name}=extra"')
+
+
+def _one_sensor(log: Path, name: str, known: _Answers) -> None:
+    if not typer.confirm("yes", default=False, err=True):
+        raise UsageError(f"each sensor alone: {command_line('diagnose', log, by=name)}")
+    columns = {**read_columns(known.reading.columns), name: "extra"}
+    known.reading = replace(known.reading, columns=columns)
 
 
 def _about_guesses(found: Inspection) -> _Question:

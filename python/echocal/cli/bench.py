@@ -122,11 +122,11 @@ class _Walk:
         if self.port is not None:
             self._meet(self.port.first)
         while (distance := self._distance()) is not None:
-            lines = self._lines()
+            lines = self._lines(distance)
             if not lines:
                 self.say("  no line came: this placement is left out")
                 continue
-            placement = self._placement(lines)
+            placement = self._placement(lines, distance)
             self.say(f"  at {distance:g} m {placement.usable} of {placement.lines} lines have an echo")
             self.ruler.add(placement, distance)
             replace_text(self.out, f"{_MARK}\n{csv_text(self.ruler.table)}", newline="")
@@ -150,13 +150,13 @@ class _Walk:
             return None
         return found or place
 
-    def _lines(self) -> list[str]:
+    def _lines(self, distance: float) -> list[str]:
         if self.port is None:
             if self.person:
                 self.say(f"  type or paste {self.readings} lines of readings or more, then an empty line:")
             return block(sys.stdin.readline, self._cut)
         lines = self.port.take(self.readings)
-        while (missing := self.readings - self._placement(lines).usable) > 0:
+        while (missing := self.readings - self._placement(lines, distance).usable) > 0:
             if len(lines) >= _TRIES * self.readings:
                 break
             lines += self.port.more(missing)
@@ -165,9 +165,9 @@ class _Walk:
     def _cut(self, line: str) -> None:
         self.say(f"  the input ends within the line {line!r}: it is left out; end each line with a line feed")
 
-    def _placement(self, lines: list[str]) -> Placement:
+    def _placement(self, lines: list[str], distance: float) -> Placement:
         self._meet(lines)
-        return self.ruler.placement(lines)
+        return self.ruler.placement(lines, distance)
 
     def _meet(self, lines: list[str]) -> None:
         """Learn what the lines hold; ask what they do not say."""

@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import typer
-from rich.markup import escape
 from rich.progress import (
     BarColumn,
     Progress,
@@ -16,7 +15,6 @@ from rich.progress import (
     TextColumn,
     TimeElapsedColumn,
 )
-from rich.table import Table
 
 from echocal import silicon
 from echocal.checksums import CHECKSUMS, listed, unedited
@@ -24,15 +22,15 @@ from echocal.cli import _explore, _made_by, _per_unit
 from echocal.cli._codes import humidity_codes, thermometer
 from echocal.cli._complete import targets
 from echocal.cli._console import Console
+from echocal.cli._firmware_made import made_by, summary
 from echocal.cli._outputs import Force, Output, check_outputs, made_in, pass_on
-from echocal.device_uncertainty import rounded_up
 from echocal.echoes import BLANKING_M
 from echocal.errors import DomainWarning, UsageError
-from echocal.firmware import EchoCodes, Firmware, generate
+from echocal.firmware import EchoCodes, Firmware
 from echocal.model import Model
 from echocal.outputs import replace_text
 from echocal.pages.considered import considered
-from echocal.per_unit import UnitFirmware, generate_per_unit
+from echocal.per_unit import UnitFirmware
 from echocal.sensors import sensor_of
 
 Tell = Callable[[str, int, int], object]
@@ -153,6 +151,18 @@ def command(
             metavar="EFFECT[=LOW:HIGH]",
         ),
     ] = None,
+    lag_interval: Annotated[
+        float | None,
+        option(
+            "Follow the model's temperature_lag: time between two temperature codes [s].", "--lag-interval-s"
+        ),
+    ] = None,
+    lag_smoothing: Annotated[
+        float | None,
+        option(
+            "Time constant that is left [s]; default: a fourth of the thermometer's.", "--lag-smoothing-s"
+        ),
+    ] = None,
     unit_data: Annotated[
         Path | None, option("Write the block of this unit instead.", metavar="UNIT.json")
     ] = None,
@@ -190,7 +200,7 @@ def command(
         raise UsageError(message)
     if explore:
         filtered = median is not None or gate_mm is not None
-        single = bool(measure or uncertainties or per_unit or filtered)
+        single = bool(measure or uncertainties or per_unit or filtered or lag_interval or lag_smoothing)
         _refuse_one(prefer, form, single, package, name, page)
     _refuse_outputs(model, json, out, _explore.FILES if explore else listed(out), page, force=force)
     known = None if sensor is None else sensor_of(sensor)
@@ -223,11 +233,8 @@ def command(
             one["median"], one["gate"] = median, None if gate_mm is None else gate_mm * 1e-3
             saved = prefer or "size"
             one |= {"prefer": saved, "progress": _proving(tell)}
-            made = (
-                generate_per_unit(followed, per_unit, target, **one, **request)
-                if per_unit
-                else generate(followed, target, **one, **request)
-            )
+            one |= request
+            made = made_by(followed, target, per_unit, (lag_interval, lag_smoothing), one)
             if isinstance(made, UnitFirmware):
                 followed = made.box.least(followed)  # the model of the function that is on the page
             if page is not None:
@@ -246,7 +253,7 @@ def command(
         files.append(page)
     pass_on(made.files["report.json"], json)
     notes += [*_left_over(out, made), *(_unmeasured(target) if measure else ())]
-    console.print(_summary(made, files, notes))
+    console.print(summary(made, files, notes))
 
 
 def _refuse_one(
@@ -256,8 +263,8 @@ def _refuse_one(
     if prefer or form or measure or package != "c" or name != "echocal" or page is not None:
         message = (
             "--explore tries every form, for size and for speed, and writes no package: leave out --prefer, "
-            "--form, --measure, --uncertainty, --per-unit, --median, --gate-mm, --package, --name "
-            "and --report"
+            "--form, --measure, --uncertainty, --per-unit, --median, --gate-mm, --lag-interval-s, "
+            "--lag-smoothing-s, --package, --name and --report"
         )
         raise UsageError(message)
 
@@ -325,72 +332,3 @@ def _assignment(text: str) -> tuple[str, float]:
     except ValueError:
         message = f"--assume is '{text}': give NAME=VALUE, such as --assume relative_humidity=0.5"
         raise UsageError(message) from None
-
-
-def _cost(found: dict[str, Any]) -> str:
-    """Return what one core needs, in a line."""
-    unit = "instructions" if found["cycles"] is None else "cycles"
-    most, fewest = found[unit], found[f"fewest_{unit}"]
-    steps = f"{most}" if most == fewest else f"{fewest} to {most}"
-    memory = f"{found['flash_bytes']} bytes of flash, {found['stack_bytes']} of stack"
-    return f"{found['core']}: {memory}, {steps} {unit} ({found['compiler']} {found['options']})"
-
-
-def _add_units(table: Table, made: UnitFirmware) -> None:
-    found = made.report["per_unit"]
-    proven, asked = rounded_up(found["error_proven_m"] * 1e3), found["error_bound_m"] * 1e3
-    far = found["maximum_distance_m"]
-    table.add_row(
-        "every unit", f"[bold green]{proven:.4f} mm[/] at most, up to {far:g} m (requested {asked:g} mm)"
-    )
-    for side in made.box.sides:
-        if side.free:
-            table.add_row("", escape(side.words()))
-
-
-def _summary(made: Firmware, files: list[Path], notes: list[str]) -> Table:
-    report = made.report
-    table = Table.grid(padding=(0, 2))
-    table.add_column(style="dim")
-    table.add_column()
-    proven, asked = rounded_up(report["error_proven_m"] * 1e3), report["error_bound_m"] * 1e3
-    always, sometimes = report["reach_m"]["always"], report["reach_m"]["sometimes"]
-    reach, worst = min(report["maximum_distance_m"], rounded_up(sometimes[1], 3)), report["worst_input"]
-    table.add_row("form", f"{report['form']['description']}; {report['table_bytes']} bytes of tables")
-    table.add_row(
-        "proven", f"[bold green]{proven:.4f} mm[/] at most, up to {reach:g} m (requested {asked:g} mm)"
-    )
-    others = report["device"]["conditions"][1:]
-    where = "".join(
-        f", {axis['quantity'].replace('_', ' ')} {worst[axis['quantity']]:g}"
-        + ("" if axis["unit"] == "1" else f" {axis['unit']}")
-        for axis in others
-    )
-    axis = report["device"]["echo"]
-    echo = worst[axis["name"]] * axis["lsb"] * 1e6
-    table.add_row("worst at", f"echo {echo:g} us, {worst['temperature']:g} degC{where}")
-    table.add_row("checked", f"all {report['inputs_checked']:,} inputs, bit for bit")
-    table.add_row("", "no overflow; the distance never decreases when the echo time increases")
-    table.add_row(
-        "reach", f"{rounded_up(always[0], 3):g} to {-rounded_up(-always[1], 3):g} m in all conditions"
-    )
-    for distance, size in report["expanded_uncertainty"]["expanded"]:
-        table.add_row(
-            "95 %", f"+-{rounded_up(size * 1e3, 2):g} mm at {distance:g} m; the header says of what"
-        )
-    if isinstance(made, UnitFirmware):
-        _add_units(table, made)
-    filter_ = report["provenance"].get("filter")
-    if filter_:
-        window, gate = filter_["window"], filter_["gate"]
-        agree = f"; {window // 2 + 1} of them within {gate} {made.unit}" if gate else ""
-        table.add_row("filter", f"median of the last {window} distances{agree}")
-    for found in report["measured"]:
-        table.add_row("measured", _cost(found))
-    for line in report["assumptions"]:
-        table.add_row("assumed", escape(line))
-    for note in notes:
-        table.add_row("[yellow]note[/]", escape(note))
-    for path in files:
-        table.add_row("written", f"[cyan]{escape(str(path))}[/]")
-    return table

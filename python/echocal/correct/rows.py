@@ -86,6 +86,8 @@ class Rows:
     """Name of the first result: a level is corrected to a level."""
     outside: Mapping[str, tuple[int, int, float]] = field(default_factory=dict)
     """Rows outside of the domain of a law; see `echocal.domain.counting`."""
+    zero: float = 0.0
+    """Height above the zero of a level [m] from which a distance counts down; 0 where there is no level."""
 
     def lost(self, where: NDArray[np.bool_], reason: str) -> "Rows":
         """The same without some rows, for a reason that comes before all others."""
@@ -161,8 +163,9 @@ def correct_rows(
     usable = [place == 0 or place >= unusable for place in range(len(status.reasons))]
     for own, rows, some in each:
         uncertainty[rows] = standard_uncertainty(some, own, distance[rows], reading.uncertainties)
+    zero = level_zero(assembly.plan, model) if reading.first == LEVEL else 0.0
     if reading.first == LEVEL:
-        distance = level_zero(assembly.plan, model) - distance
+        distance = zero - distance
     return Rows(
         distance,
         uncertainty,
@@ -171,6 +174,7 @@ def correct_rows(
         tuple(not it for it in usable),
         notes,
         reading.first,
+        zero=zero,
     )
 
 

@@ -9,7 +9,7 @@ from echocal.errors import UsageError, among
 from echocal.keywords import keyword
 from echocal.model import Model
 from echocal.model.folder import ModelFolder, file_name
-from echocal.observations.hints import hint
+from echocal.observations.hints import of_ranger
 from echocal.observations.names import IGNORE
 
 if TYPE_CHECKING:
@@ -95,8 +95,8 @@ def correct_rangers(
     out.mkdir(parents=True, exist_ok=True)
     done = {}
     for name, model in rangers.items():
-        said = hint(name)
-        own = {**columns, **({name: said.name} if said and name not in columns else {})}
+        said = of_ranger(name)
+        own = {**({name: said} if said else {}), **columns}
         own |= {other: IGNORE for other in rangers if other != name}
         file = ranger_file(name, source)
         done[file] = work(source, out / file, model, columns=own, **how)

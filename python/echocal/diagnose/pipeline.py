@@ -35,7 +35,7 @@ from echocal.diagnose.preprocess.window import between
 from echocal.diagnose.progress import Steps
 from echocal.diagnose.request import Request
 from echocal.diagnose.results.diagnosis import Diagnosis
-from echocal.diagnose.results.outlier_rules import outlier_rules
+from echocal.diagnose.results.outlier_rules import outlier_rules, unmet
 from echocal.diagnose.results.report import report
 from echocal.diagnose.selection.claims import Ranking, rank
 from echocal.diagnose.selection.joint import join
@@ -190,8 +190,10 @@ def examined(reading: Reading, request: Request, work: Steps) -> Examined:
         matters = Matters.of(case, request.matters_mm)
         diagnosis = report(case, observations, *found, able, proposals, matters)
         reference = whole.reference_distance if distance is None and not constant else None
-        more = [] if columns else outlier_rules(read, reference, diagnosis.fates, diagnosis.model, settings)
-        known = {**diagnosis.model.provenance, **faults.marks(more)}
+        own = (read, reference, diagnosis.fates, diagnosis.model)
+        more = [] if columns else outlier_rules(*own, settings)
+        left_out = [] if columns else unmet(*own, faults.rules(more))
+        known = {**diagnosis.model.provenance, **faults.marks(more, left_out)}
         diagnosis = replace(diagnosis, model=diagnosis.model.with_provenance(known))
     work.end()
     return Examined(diagnosis, case, reduced, shares, ranking, selection)

@@ -53,6 +53,7 @@ class _ResidualUncertainty(_Entry):
     low: NonNegativeFloat = 0.0
     high: NonNegativeFloat = 0.0
     scheme: str = ""
+    step: NonNegativeFloat = 0.0
     unit: Literal["m"]
 
 

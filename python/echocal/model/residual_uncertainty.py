@@ -36,6 +36,8 @@ class ResidualUncertainty:
         Smallest and largest distance of these rows [m].
     scheme : str
         How these rows were chosen.
+    step : float
+        Step of the readings, as a distance [m], whose rounding the constant part has; 0 for none.
 
     Raises
     ------
@@ -55,9 +57,10 @@ class ResidualUncertainty:
     low: float = 0.0
     high: float = 0.0
     scheme: str = ""
+    step: float = 0.0
 
     def __post_init__(self) -> None:
-        for name in ("constant", "proportional", "rows", "low", "high"):
+        for name in ("constant", "proportional", "rows", "low", "high", "step"):
             if not 0.0 <= getattr(self, name) < np.inf:
                 message = f"the residual uncertainty has {name} {getattr(self, name)}; give a number >= 0"
                 raise ModelError(message)
@@ -114,7 +117,8 @@ class ResidualUncertainty:
         known = np.broadcast_to(known, rows.shape)[rows]
         variances = _of_steps(error, distance, known, step) if step else _of_values(error, distance, known)
         constant, proportional = (float(v**0.5) for v in variances)
-        return cls(constant, proportional, len(error), float(distance.min()), float(distance.max()), scheme)
+        ends = float(distance.min()), float(distance.max())
+        return cls(constant, proportional, len(error), *ends, scheme, float(step))
 
     def of(self, distance: ArrayLike) -> Column:
         """Standard uncertainty [m] at distances [m]."""
@@ -122,6 +126,7 @@ class ResidualUncertainty:
 
     def to_dict(self) -> dict[str, Any]:
         """As in a model file."""
+        steps = {"step": self.step} if self.step else {}
         return {
             "constant": self.constant,
             "proportional": self.proportional,
@@ -129,6 +134,7 @@ class ResidualUncertainty:
             "low": self.low,
             "high": self.high,
             "scheme": self.scheme,
+            **steps,
             "unit": "m",
         }
 

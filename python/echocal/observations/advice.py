@@ -6,6 +6,7 @@ from collections.abc import Collection, Mapping
 from typing import TYPE_CHECKING
 
 from echocal.keywords import keyword
+from echocal.observations.by_values import AGREES
 from echocal.observations.found import found_in
 from echocal.observations.hints import role_of
 from echocal.observations.misspelled import meant as meant_by
@@ -73,7 +74,9 @@ def _advice(table: pd.DataFrame, plan: Plan, echo: Collection[Form]) -> str:
         beside = [one for one in likely if {*one} <= {*others} and _is_named(one, proposed)]
         ruler = role_of(reference.column) == "distance"
         if len(beside) == 1:
-            return f"{_SAY}: {keyword('columns', beside[0])}; {INSPECT}"
+            (name,) = beside[0]
+            why = proposed[name].reason if proposed[name].reason.startswith(AGREES) else INSPECT
+            return f"{_SAY}: {keyword('columns', beside[0])}; {why}"
         if not ruler and not meant_by(others, echo):
             request = keyword("columns", {reference.column: f"reading_{reference.unit_name}"})
             return f"Record one of them; if the sensor indicates '{reference.column}': {request}"
@@ -119,5 +122,5 @@ def _of_others(
 
 
 def _is_named(request: Mapping[str, str], proposed: Mapping[str, Proposal]) -> bool:
-    """Whether the name of a column speaks of an echo or a reading, not only its values."""
-    return all(proposed[name].reason.startswith("its name") for name in request)
+    """Whether the name of a column speaks of an echo or a reading, or its values agree with the reference."""
+    return all(proposed[name].reason.startswith(("its name", AGREES)) for name in request)

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Line", "echo_speed", "is_set", "line_between", "resolution"]
+__all__ = ["Line", "echo_speed", "follows", "is_set", "line_between", "resolution"]
 
 Column = NDArray[np.float64]
 
@@ -23,6 +23,7 @@ _SPEEDS = (310.0, 365.0)
 
 _APART = 0.1  # of a length, beyond what rounding leaves open: a delay, a ruler, single wild rows aside
 _MOST = 0.9  # of the rows
+_FINE, _ENOUGH = 2e-3, 20  # m and rows: what a ruler and a good sensor do not agree to, row after row
 
 
 @dataclass(frozen=True)
@@ -98,6 +99,38 @@ def echo_speed(length: Column, seconds: Column) -> float:
     if not _SPEEDS[0] <= middle <= _SPEEDS[1] or near.mean() < _MOST:
         return 0.0
     return float(2.0 * (d[near] @ t[near]) / (t[near] @ t[near]))
+
+
+def follows(length: Column, seconds: Column, temperature: Column | None = None) -> bool:
+    """Whether a length [m] is what a device computes of the echo times [s], to the last digit it writes.
+
+    With one speed of sound, or with one for each temperature [degC]. Lengths in steps of more than 2 mm are
+    not judged: a good sensor agrees with a ruler as well.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> air, echo = np.linspace(10.0, 30.0, 40), np.linspace(3e-3, 16e-3, 40)
+    >>> made = 0.5 * (331.4 + 0.6 * air) * echo
+    >>> follows(made.round(3), echo, air), follows(made.round(3), echo), follows(made.round(1), echo, air)
+    (True, False, False)
+    """
+    known = np.isfinite(length) & np.isfinite(seconds) & (length > 0.0) & (seconds > 0.0)
+    known &= True if temperature is None else np.isfinite(temperature)
+    d, t = length[known], seconds[known]
+    step = resolution(d)
+    if len(d) < _ENOUGH or step > _FINE or not np.ptp(d) > _WIDE * step:
+        return False
+    speeds = [np.full(len(d), float(np.median(2.0 * d / t)))]
+    if temperature is not None:
+        slope = temperature[known] - temperature[known].mean()
+        columns = np.column_stack([0.5 * t, 0.5 * t * slope])
+        speeds.append(columns @ np.linalg.lstsq(columns, d, rcond=None)[0] / (0.5 * t))
+    open_ = _SLACK * 0.5 * (step + 0.5 * float(speeds[0][0]) * resolution(t))
+    return any(
+        bool(_SPEEDS[0] <= np.median(c) <= _SPEEDS[1] and np.mean(np.abs(d - 0.5 * c * t) <= open_) >= _MOST)
+        for c in speeds
+    )
 
 
 def resolution(values: Column) -> float:

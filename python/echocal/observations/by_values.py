@@ -9,11 +9,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from echocal.keywords import command_line
 from echocal.observations.alike import echo_speed, line_between
 from echocal.observations.units import NAMES
 from echocal.observations.vocabulary import TOKEN
 
-__all__ = ["Guess", "guesses", "usual"]
+__all__ = ["AGREES", "Guess", "guesses", "usual"]
 
 Column = NDArray[np.float64]
 
@@ -33,6 +34,10 @@ _CHARGE = 1.6  # a full battery over a flat one, of any kind
 _HPA = (850.0, 1090.0)
 _TOGETHER = 0.9  # correlation of an echo time with its distance
 _FEWEST = 8  # rows that show a trend
+AGREES = "its values agree with"
+"""Begin of the reason of a column that reads what the reference distance says."""
+_NEAR, _STEP = 0.1, 0.01  # of the distance, and m: any speed that firmware uses, and whole centimeters
+_MOST = 0.9  # of the rows: single wild ones aside
 _ELSEWHERE = {
     "adc", "akku", "bat", "batt", "battery", "code", "count", "counter", "counts", "flag", "heap", "id",
     "index", "ma", "mah", "mode", "no", "nr", "pin", "raw", "rssi", "seq", "sequence", "snr", "soc",
@@ -66,7 +71,10 @@ def usual(role: str, numbers: Column) -> str:
 
 
 def guesses(
-    columns: Mapping[str, Column], units: Mapping[str, str], held: Collection[str]
+    columns: Mapping[str, Column],
+    units: Mapping[str, str],
+    held: Collection[str],
+    reference: tuple[str, Column] | None = None,
 ) -> dict[str, Guess]:
     """A guess or a question for columns that nothing claims.
 
@@ -78,6 +86,8 @@ def guesses(
         Symbols of the units that the log gives.
     held : collection of str
         Quantities that other columns hold.
+    reference : (str, ndarray), optional
+        The column that holds the reference distance by its name, and its values [m].
 
     Examples
     --------
@@ -92,6 +102,8 @@ def guesses(
     free = {n: v for n, v in columns.items() if not _is_elsewhere(n)}
     kinds = {name: _kinds(values, units.get(name, "")) for name, values in free.items()}
     found = _pair(free, units) if not {"reading", "echo_time"} & set(held) else {}
+    if not found and reference is not None and not {"reading", "echo_time"} & set(held):
+        found = _beside(free, units, *reference)
     settled = bool(found or {"reading", "echo_time"} & set(held))
     temperature = "" if "temperature" in held else _temperature(kinds, free, found, settled=settled)
     if not settled and (name := _reading(kinds, temperature)):
@@ -146,6 +158,36 @@ def _pair(columns: Mapping[str, Column], units: Mapping[str, str]) -> dict[str, 
                             length: Guess(f"reading_{own}", why.format(time)),
                         }
     return {}
+
+
+def _beside(
+    columns: Mapping[str, Column], units: Mapping[str, str], name: str, reference: Column
+) -> dict[str, Guess]:
+    """The first column that reads what the reference says; its reason names the others."""
+    found = {}
+    for column, values in columns.items():
+        for role in ("reading", "echo"):
+            unit = units.get(column) or usual(role, values)
+            form = NAMES.get(f"{role}_{unit}")
+            if form is None:
+                continue
+            own = np.asarray(form[0].units[unit].to_si(values))
+            if not _rise_together(own, reference):
+                continue
+            if role == "echo":
+                agrees = bool(echo_speed(reference, own))
+            else:
+                known = np.isfinite(own) & np.isfinite(reference)
+                near = np.abs(own - reference)[known] <= _NEAR * reference[known] + _STEP
+                agrees = float(near.mean()) >= _MOST
+            if agrees:
+                found[column] = f"{role}_{unit}"
+    if not found:
+        return {}
+    first = next(iter(found))
+    others = "".join(f", and so '{other}'" for other in found if other != first)
+    each = f": for each, {command_line('diagnose', 'LOG', by=','.join(found))}" if others else ""
+    return {first: Guess(found[first], f"{AGREES} '{name}'{others}{each}")}
 
 
 def _rise_together(length: Column, time: Column) -> bool:

@@ -2,6 +2,7 @@
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
+from functools import cache
 from itertools import pairwise
 
 from echocal.errors import DataError
@@ -27,7 +28,11 @@ from echocal.observations.vocabulary import (
     WORDS,
 )
 
-__all__ = ["Hint", "completed", "hint", "is_time_name", "role_of", "role_of_unit"]
+__all__ = ["Hint", "completed", "hint", "is_time_name", "of_ranger", "role_of", "role_of_unit"]
+
+
+_SHORT = 4  # letters of a word in a compound
+_KNOWN = frozenset().union(*(words for _, words in WORDS.values()), *NOT.values())
 
 
 @dataclass(frozen=True)
@@ -90,6 +95,20 @@ def hint(column: str, unit: str = "") -> Hint | None:
             name = _name(role, symbol)
             return Hint(name, role not in {"reading"} or not tokens & {"distance", "dist", "abstand"})
     return None
+
+
+def of_ranger(column: str, unit: str = "") -> str:
+    """What a column holds that somebody calls a ranger: by its name, else by its unit; empty without one.
+
+    Examples
+    --------
+    >>> of_ranger("left_cm"), of_ranger("left_us"), of_ranger("sonar (mm)"), of_ranger("left")
+    ('reading_cm', 'echo_us', 'reading_mm', '')
+    """
+    said = hint(column, unit)
+    symbol = symbol_of(unit) or split_unit(column)[1]
+    units = (f"{role}_{symbol}" for role in ("reading", "echo") if symbol in WORDS[role][0])
+    return said.name if said is not None else next(units, "")
 
 
 def role_of_unit(column: str) -> str:
@@ -204,7 +223,16 @@ def _name(role: str, symbol: str) -> str:
 def _tokens(words: str) -> set[str]:
     """Words of a name; a single letter is one where it is the first."""
     first, *rest = [*_listed(words), ""]
-    return {first, *(word for word in rest if word not in LETTERS)}
+    found = {first, *(word for word in rest if word not in LETTERS)}
+    return found | {part for word in found for part in _parts(word)}
+
+
+@cache
+def _parts(word: str) -> tuple[str, ...]:
+    """Both words of a compound, as "sollabstand" and "wassertemperatur" are; nothing of another word."""
+    cuts = range(_SHORT, len(word) - _SHORT + 1)
+    both = ((word[:cut], word[cut:]) for cut in cuts)
+    return () if word in _KNOWN else next((own for own in both if _KNOWN.issuperset(own)), ())
 
 
 def _of_echo(words: str) -> bool:

@@ -82,14 +82,14 @@ class Inspection:
     usable: int | None  # rows that can be used if the proposals are accepted; None where the table is refused
     refusal: str  # why it is refused
     table: pd.DataFrame
+    observations: Observations | None  # what is read if they are; None where the table is refused
     requests: dict[str, str]  # the proposals, as `echocal.read_observations` takes `columns`
     missing: dict[str, list[str]]  # error codes, as it takes `missing`
 
     def to_dict(self) -> dict[str, Any]:
         """The facts as JSON holds them."""
-        plain = {
-            name: value for name, value in vars(self).items() if name not in {"table", "columns", "clock"}
-        }
+        own = {"table", "observations", "columns", "clock"}
+        plain = {name: value for name, value in vars(self).items() if name not in own}
         return {
             "schema": "echocal.inspection/1",
             **plain,
@@ -139,6 +139,7 @@ def inspect_log(path: Path, options: ReadOptions | None = None) -> Inspection:
         None if observations is None else int(observations.usable.sum()),
         refusal,
         table,
+        observations,
         {
             name: request
             for name, request in requests.items()

@@ -44,7 +44,8 @@ class RowRule:
     """Id of the fault: the reason code of the rows."""
     kind: Kind
     """``equals``, ``at least`` and ``at most`` compare a quantity with `value`; ``during`` is from `value`
-    on, for less than `tolerance`; ``run`` is a run of `length` or more equal values, after its first row;
+    on, for less than `tolerance`; ``run`` is a run of `length` or more equal values, without
+    its first row or `whole`;
     ``far from reference`` and ``far from neighbors`` compare the corrected distance; with the quantity
     ``reference_distance``, ``far from neighbors`` compares its error."""
     quantity: str = ""
@@ -59,6 +60,8 @@ class RowRule:
     """Whether too short (-1), too long (1), or either (0)."""
     deviation: float = 0.0
     """Least deviation [m]."""
+    whole: bool = False
+    """Whether the first row of a run is one of its rows: the value was none that the device measured."""
     part: float = 0.0
     """The same as a part of the distance; the larger one counts."""
 
@@ -145,7 +148,7 @@ def _rows(
         return None
     with np.errstate(invalid="ignore"):
         if rule.kind == "run":
-            return _runs(np.where(observations.usable, column, np.nan), rule.length)
+            return _runs(np.where(observations.usable, column, np.nan), rule.length, whole=rule.whole)
         if rule.kind == "during":
             return np.asarray((column >= rule.value) & (column < rule.value + rule.tolerance))
         if rule.kind == "at least":
@@ -189,12 +192,12 @@ def apart_from_neighbors(values: Column) -> Column:
     return np.asarray(np.where(smaller, one, other), dtype=np.float64)
 
 
-def _runs(values: Column, length: int) -> Mask:
-    """Rows of runs of so many equal values or more, without the first row of each."""
+def _runs(values: Column, length: int, *, whole: bool) -> Mask:
+    """Rows of runs of so many equal values or more, with the first row of each or without."""
     rows = np.zeros(len(values), dtype=bool)
     for first, last in _ranges(values):
         if last - first >= length:
-            rows[first + 1 : last] = True
+            rows[first + (not whole) : last] = True
     return rows
 
 

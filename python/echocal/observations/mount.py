@@ -133,7 +133,9 @@ def mounted_as(requests: Mapping[str, str], model: Model) -> Mapping[str, str]:
     if kept is None or not levels:
         return requests
     own = _below(levels, levels, kept)
-    if model.provenance.get(HEIGHT_FITTED) and (other := [name for name in own if own[name] == levels[name]]):
+    fitted = f"{BELOW}{kept!r} m"
+    other = [name for name in own if own[name] == levels[name] and not own[name].endswith(fitted)]
+    if model.provenance.get(HEIGHT_FITTED) and other:
         message = (
             f"'{levels[other[0]]}': the diagnosis of the model fitted the mount height, {kept:g} m, together "
             f"with a zero error; leave {keyword('mount_height')} out, or give it to the diagnosis"

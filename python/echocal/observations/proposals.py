@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from echocal.errors import EchocalError
 from echocal.keywords import command_line
+from echocal.observations.alike import follows
 from echocal.observations.by_values import guesses, usual
 from echocal.observations.checks import CODES
 from echocal.observations.doubtful import doubtful_in
@@ -20,7 +21,7 @@ from echocal.observations.found import Found
 from echocal.observations.hints import completed, hint, is_time_name, role_of, role_of_unit
 from echocal.observations.names import EXTRA, IGNORE, by_name, by_request, is_level_name
 from echocal.observations.units import NAMES, has_foreign_unit, split_unit, symbol_of
-from echocal.observations.vocabulary import LEVELS, TOKEN
+from echocal.observations.vocabulary import LENGTH, LEVELS, TOKEN
 
 __all__ = ["Proposal", "codes_in", "propose", "unfit"]
 
@@ -95,6 +96,9 @@ def propose(table: pd.DataFrame, found: Found, given: Mapping[str, str]) -> dict
         _by_values(table, found, proposals, held, {name for name in roles if roles[name]})
     if not {"reading", "echo_time"} & held:
         _reference_as_reading(table, proposals, given)
+    elif "reading" not in held:
+        _ruler_beside(table, proposals, given)
+        _computed(table, proposals, given)
     return proposals
 
 
@@ -173,18 +177,22 @@ def _by_values(
     table: pd.DataFrame, found: Found, proposals: dict[str, Proposal], held: set[str], named: Collection[str]
 ) -> None:
     """Guesses and questions for the columns whose names say nothing."""
-    free, units = {}, {}
+    free, units, level = {}, {}, ""
     for name in map(str, table.columns):
         numbers = None if is_time_name(name) else _numbers(table[name])
         if name in named or proposals[name].request or numbers is None or has_foreign_unit(name):
             continue
         words = {token.lower() for token in TOKEN.findall(name)}
         if LEVELS & words and "sensor" not in words:  # a sensor of levels measures the distance to them
+            level = level or (name if split_unit(name)[1] in LENGTH else "")
             continue
         free[name] = numbers
         units[name] = symbol_of(found.units.get(name, "")) or split_unit(name)[1]
     known = bool({"reading", "echo_time"} & held)
-    for name, guess in guesses(free, units, held).items():
+    for name, guess in guesses(free, units, held, _reference(table, proposals)).items():
+        if level and guess.request.startswith("reading"):  # the device indicates the level
+            proposals[name] = Proposal("", f"a length beside '{level}', which is a level: say what it is")
+            continue
         if (
             known and guess.request
         ):  # a table whose names say something: no other column is taken by its values
@@ -192,6 +200,58 @@ def _by_values(
             continue
         proposals[name] = Proposal(guess.request, guess.reason, guess=bool(guess.request))
         held.add(_quantity(guess.request))
+
+
+def _reference(table: pd.DataFrame, proposals: Mapping[str, Proposal]) -> tuple[str, Column] | None:
+    """The column that is the reference distance by its name, and its values [m]; None without one."""
+    for name, own in proposals.items():
+        found = by_request(name, own.request) if _quantity(own.request) == "reference_distance" else None
+        numbers = None if found is None or found[0].level or own.guess else _numbers(table[name])
+        if found is not None and numbers is not None:
+            return name, np.asarray(found[0].units[found[1]].to_si(numbers))
+    return None
+
+
+def _ruler_beside(table: pd.DataFrame, proposals: dict[str, Proposal], given: Mapping[str, str]) -> None:
+    """The distance that a device computes from its echo, where a column is the reference by its name."""
+    rulers = [n for n, own in proposals.items() if role_of(n) == "distance" and not own.request]
+    held = [n for n, own in proposals.items() if _quantity(own.request) == "reference_distance"]
+    if len(rulers) != 1 or len(held) != 1 or {*rulers, *held} & {*given} or role_of(held[0]) == "distance":
+        return
+    (ruler,), (name,) = rulers, held
+    numbers = _numbers(table[ruler])
+    unit = split_unit(ruler)[1] or ("" if numbers is None else usual("distance", numbers))
+    reading = f"reading_{proposals[name].request.rpartition('_')[2]}"
+    if numbers is None or reading not in NAMES or not (request := _request("distance", unit)):
+        return
+    proposals[name] = Proposal(reading, f"a distance beside the echo, and '{ruler}'", guess=True)
+    proposals[ruler] = Proposal(request, "its name: the reference beside the reading", guess=True)
+
+
+def _computed(table: pd.DataFrame, proposals: dict[str, Proposal], given: Mapping[str, str]) -> None:
+    """A distance that follows from the echo time in every row: the device computes it, nobody measured it.
+
+    A reference agrees with an echo only as well as both were measured; what is computed, as well as it is
+    written.
+    """
+    held = {_quantity(own.request): name for name, own in proposals.items()}
+    echo, distance = held.get("echo_time"), held.get("reference_distance")
+    if echo is None or distance is None or distance in given or role_of(distance) == "distance":
+        return
+    d, t = (_si(table, name, proposals) for name in (distance, echo))
+    air = _si(table, held["temperature"], proposals) if "temperature" in held else None
+    reading = f"reading_{proposals[distance].request.rpartition('_')[2]}"
+    if d is not None and t is not None and reading in NAMES and follows(d, t, air):
+        why = f"it follows from '{echo}': the device computes it"
+        proposals[distance] = Proposal(reading, why, guess=True)
+
+
+def _si(table: pd.DataFrame, name: str, proposals: Mapping[str, Proposal]) -> Column | None:
+    """Values of a column as its proposal has them [SI]; None where they are no numbers."""
+    found, numbers = by_request(name, proposals[name].request), _numbers(table[name])
+    if found is None or numbers is None:
+        return None
+    return np.asarray(found[0].units[found[1]].to_si(numbers))
 
 
 def _reference_as_reading(

@@ -9,16 +9,22 @@ from typing import Any
 
 from echocal.errors import EchocalError
 from echocal.observations.inspection import ColumnFacts
+from echocal.serve.fields import (
+    BASE,
+    DISTANCE,
+    DISTANCES,
+    HEIGHT,
+    LARGEST,
+    PLACEMENTS,
+    SPEED,
+    STEP,
+    TEMPERATURE,
+)
 from echocal.serve.session import CHOICES, Session
 
 __all__ = ["Page"]
 
 _MOST_BYTES = 200_000_000
-_DISTANCES = {
-    "column": "is a column, or there are placements",
-    "constant": "is constant and not known",
-    "known": "is constant and known",
-}
 _TARGETS = ("c99", "avr", "cortex-m0", "cortex-m3", "cortex-m4f", "rv32", "rv32e")
 
 
@@ -132,20 +138,22 @@ class Page:
         ui = self.ui
         with self.columns:
             ui.label("The distance of the target").classes("text-xl mt-4")
-            self.distance = ui.radio(_DISTANCES, value="column")
-            self.known = ui.number("distance [m]", format="%g").props("dense").classes("w-40")
+            self.distance = ui.radio(DISTANCES, value="column")
+            self.known = ui.number(DISTANCE, format="%g").props("dense").classes("w-40")
             self.known.bind_visibility_from(self.distance, "value", value="known")
-            self.placements = ui.input("ruler values of the placements [m], in their order")
+            self.placements = ui.input(PLACEMENTS)
             self.placements.props('dense hint="0.5, 1.2, 2.5"').classes("w-full")
             self.placements.bind_visibility_from(self.distance, "value", value="column")
             ui.label("What no column holds").classes("text-xl mt-4")
             with ui.row().classes("items-end"):
-                self.temperature = ui.input("temperature of the air [degC]")
+                self.temperature = ui.input(TEMPERATURE)
                 self.temperature.props('dense hint="20+-2, with its uncertainty"').classes("w-64")
-                self.height = ui.number("mount height above the zero of a level [m]", format="%g")
+                self.height = ui.number(HEIGHT, format="%g")
                 self.height.props("dense").classes("w-72")
             ui.label("The device").classes("text-xl mt-4")
-            self.base = ui.input("speed of sound that the base assumes: a law, or m/s", value="linear")
+            self.speed = ui.input(SPEED)
+            self.speed.props('dense hint="what the device used; empty: linear"').classes("w-full")
+            self.base = ui.input(BASE, value="linear")
             self.base.props('dense hint="linear, cramer, 343"').classes("w-full")
             self.start = ui.button("Diagnose", on_click=self._diagnose).classes("mt-4")
             self.bar = ui.linear_progress(0.0, show_value=False).props("instant-feedback")
@@ -162,6 +170,7 @@ class Page:
             "placements": (self.placements.value or None) if where == "column" else None,
         }
         beside = {"temperature": self.temperature.value or "", "mount_height": self.height.value}
+        beside["reading_speed"] = self.speed.value or ""
         if not await self._tried(partial(self.session.say, **beside)):
             return
         self._list_columns()
@@ -219,8 +228,8 @@ class Page:
             target = ui.select(list(_TARGETS), value="c99", label="core").classes("w-32")
             low = ui.number("from [degC]", value=-20, format="%g").classes("w-24")
             high = ui.number("to [degC]", value=60, format="%g").classes("w-24")
-            step = ui.number("step of the thermometer [K]", value=0.0625, format="%g").classes("w-48")
-            most = ui.number("largest error [mm]", value=0.5, format="%g").classes("w-40")
+            step = ui.number(STEP, value=0.0625, format="%g").classes("w-48")
+            most = ui.number(LARGEST, value=0.5, format="%g").classes("w-40")
 
         async def make() -> None:
             made: list[bytes] = []

@@ -5,6 +5,8 @@ from collections.abc import Awaitable, Callable, MutableMapping
 from typing import Any
 
 from echocal.errors import UsageError
+from echocal.keywords import on_page
+from echocal.serve.fields import FIELDS
 
 __all__ = ["HOST", "PORT", "OwnPagesOnly", "serve"]
 
@@ -76,14 +78,15 @@ def serve(port: int = PORT, *, show: bool = True) -> None:
             message = f"port {port} cannot be used ({error}); choose another one"
             raise UsageError(message) from None
     app.add_middleware(OwnPagesOnly, port=port)
-    ui.run(
-        root=lambda: Page(ui).build(),
-        host=HOST,
-        port=port,
-        title="echocal",
-        favicon="📏",
-        dark=None,
-        show=show,
-        reload=False,
-        show_welcome_message=False,
-    )
+    with on_page(FIELDS):
+        ui.run(
+            root=lambda: Page(ui).build(),
+            host=HOST,
+            port=port,
+            title="echocal",
+            favicon="📏",
+            dark=None,
+            show=show,
+            reload=False,
+            show_welcome_message=False,
+        )

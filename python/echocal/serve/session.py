@@ -89,7 +89,9 @@ class Session:
         self.diagnosis = None
         self.inspection = inspect_log(self._path, self._options())
 
-    def say(self, *, temperature: str = "", mount_height: float | None = None) -> None:
+    def say(
+        self, *, temperature: str = "", mount_height: float | None = None, reading_speed: str = ""
+    ) -> None:
         """Say what no column holds, and look at the log again.
 
         Parameters
@@ -98,16 +100,17 @@ class Session:
             Of the air [degC], as ``20+-2``; empty where a column has it.
         mount_height : float, optional
             Height of the sensor above the zero of a level [m].
+        reading_speed : str
+            Law or speed [m/s] that the readings were made with; empty for the default.
 
         Raises
         ------
         UsageError
             If it is no number, or nothing asks for it.
         """
-        told = {"at": {"temperature": temperature} if temperature.strip() else None}
-        self._beside = {
-            n: own for n, own in {**told, "mount_height": mount_height}.items() if own is not None
-        }
+        told: dict[str, Any] = {"at": {"temperature": temperature} if temperature.strip() else None}
+        told |= {"mount_height": mount_height, "reading_speed": reading_speed.strip() or None}
+        self._beside = {name: own for name, own in told.items() if own is not None}
         self.diagnosis = None
         self.inspection = inspect_log(self._path, self._options())
 
@@ -125,12 +128,8 @@ class Session:
     def products(self) -> dict[str, str]:
         """The report, the model and the corrected table, by the names of their files."""
         found, stem = self._diagnosed, Path(self.name).stem
-        corrected = correct(
-            self._looked_at.table,
-            found.model,
-            reading_speed=self._asked.get("reading_speed"),
-            **self._reading(),
-        )
+        read = {"reading_speed": self._asked.get("reading_speed"), **self._reading()}
+        corrected = correct(self._looked_at.table, found.model, **read)
         return {
             f"{stem} report.html": report_page(found, self.name, self._command()),
             f"{stem} model.json": text_of(found.model),
@@ -188,6 +187,7 @@ class Session:
             **self._asked,
             "at": at,
             "mount_height": height,
+            "reading_speed": self._beside.get("reading_speed"),
             "column": columns,
             "missing": missing,
             "report": "report.html",

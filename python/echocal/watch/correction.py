@@ -1,7 +1,7 @@
 """Correct rows as they come, by the function that corrects tables: the same numbers and the same reasons."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -9,15 +9,18 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from echocal.correct.needed import Needed, needed
+from echocal.correct.results import LEVEL
 from echocal.correct.rows import Reading, correct_rows
 from echocal.domain import counting
 from echocal.errors import DataError
 from echocal.model import Model
 from echocal.observations.misspelled import naming
+from echocal.observations.mount import holds_level, is_level
+from echocal.observations.names import is_level_name
 from echocal.observations.part import Part
 from echocal.watch.rows import Columns, Reader, Row
 
-__all__ = ["NO_ECHO", "RATES", "Entry", "Results", "correct"]
+__all__ = ["NO_ECHO", "RATES", "Entry", "Results", "correct", "first_of"]
 
 RATES = {"temperature_rate": "temperature", "radiation_rate": "radiation"}
 """Rates of change that an effect may read, and what each is the rate of."""
@@ -54,10 +57,10 @@ class Entry:
     problem: str = ""
     """Why its columns cannot be understood."""
 
-    def read(self, reader: Reader) -> "Entry":
-        """Read its fields."""
+    def read(self, reader: Reader, model: Model) -> "Entry":
+        """Read its fields; levels have the height of the model's diagnosis, where the user states none."""
         try:
-            self.columns = reader.columns(list(self.row), self.units)
+            self.columns = reader.columns(list(self.row), self.units, model)
         except DataError as error:
             self.problem = str(error)
             return self
@@ -77,6 +80,8 @@ class Results:
 
     distance: NDArray[np.float64]
     """Corrected distance [m]; NaN where there is none; shape (n,)."""
+    level: NDArray[np.float64]
+    """What is written in its place where the table holds a level [m]; else NaN; shape (n,)."""
     uncertainty: NDArray[np.float32]
     """Its standard uncertainty [m]; NaN where none is known; shape (n,)."""
     status: list[str]
@@ -88,7 +93,7 @@ class Results:
 def correct(entries: Sequence[Entry], model: Model, reader: Reader, reading: Reading) -> Results:
     """Correct rows in their order; marks look at the rows around in the sequence."""
     blank = np.full(len(entries), np.nan)
-    found = Results(blank, blank.astype(np.float32), [entry.problem for entry in entries])
+    found = Results(blank, blank.copy(), blank.astype(np.float32), [entry.problem for entry in entries])
     groups: dict[int, tuple[Columns, list[int]]] = {}
     for place, entry in enumerate(entries):
         if entry.columns is not None and not entry.problem:
@@ -96,6 +101,14 @@ def correct(entries: Sequence[Entry], model: Model, reader: Reader, reading: Rea
     for columns, places in groups.values():
         _correct(entries, columns, places, model, reader, reading, found)
     return found
+
+
+def first_of(row: Row, reading: Reading) -> str:
+    """Name of the first result of a row: a mount height makes a level of what is called as a level."""
+    held = reading.mount_height is not None and not any(is_level(*one) for one in reading.requests.items())
+    if held and any(holds_level(name, name) for name in row if is_level_name(name)):
+        return LEVEL
+    return reading.first
 
 
 def _correct(
@@ -108,6 +121,8 @@ def _correct(
     found: Results,
 ) -> None:
     """Correct the rows that have some columns; the others stand between them for the marks."""
+    if reading.mount_height is not None:  # what is called as a level has it, too
+        reading = replace(reading, columns=columns.requests, mount_height=None)
     try:
         own = _needed(columns, model, reading)
         table = _table(entries, columns, own)
@@ -118,6 +133,9 @@ def _correct(
             found.status[place] = str(error)
         return
     found.distance[places] = rows.distance[places]
+    if rows.first == LEVEL:
+        found.level[places] = rows.distance[places]
+        found.distance[places] = rows.zero - rows.distance[places]
     found.uncertainty[places] = rows.uncertainty[places]
     for place in places:
         status, damaged = rows.reasons[rows.codes[place]], entries[place].damaged

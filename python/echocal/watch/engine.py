@@ -11,7 +11,6 @@ from echocal.correct.needed import refuse_no_model
 from echocal.errors import DataError, UsageError
 from echocal.model import Model
 from echocal.observations.given import READ_OPTIONS, refuse_keywords
-from echocal.observations.mount import is_level
 from echocal.observations.options import ReadOptions
 from echocal.watch.events import Event
 from echocal.watch.fleet import Fleet
@@ -80,8 +79,9 @@ def watch(
     Yields
     ------
     rows : list of mapping
-        Rows with ``corrected_distance_m`` [m], ``distance_standard_uncertainty_m`` [m] and ``status``. Rows
-        whose marks look at later rows come when these have come; the last at the end.
+        Rows with ``corrected_distance_m`` [m] (``corrected_level_m`` where the table holds a level),
+        ``distance_standard_uncertainty_m`` [m] and ``status``. Rows whose marks look at later rows come when
+        these have come; the last at the end.
     events : list of Event
         What there is to tell: ``learned``, ``change``, ``verdict``, ``note``, ...
 
@@ -118,9 +118,6 @@ def watch(
         )
         raise UsageError(message)
     how = ReadOptions(**options)
-    if how.mount_height is not None or any(is_level(name, own) for name, own in how.requests.items()):
-        message = "watch corrects distances, and a column holds a level: give it the distance, height - level"
-        raise UsageError(message)
     kept = State(None if state is None else Path(state))
     fleet = Fleet(
         models_of(model, None if models is None else Path(models)),

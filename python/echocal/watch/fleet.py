@@ -12,14 +12,15 @@ from echocal.errors import DataError, EchocalError, UsageError, among
 from echocal.keywords import keyword
 from echocal.model import Model
 from echocal.model.folder import label
+from echocal.observations.mount import mounted_as
 from echocal.watch import verdict
 from echocal.watch.clock import Waiting
 from echocal.watch.comparison import Comparison
-from echocal.watch.correction import NO_ECHO, Entry, Results, correct
+from echocal.watch.correction import NO_ECHO, Entry, Results, correct, first_of
 from echocal.watch.events import Event
 from echocal.watch.reference import Models, Reference, refuse_columns
 from echocal.watch.rows import Reader, Row, refused_names
-from echocal.watch.sensor import RESULTS, Done, Sensor
+from echocal.watch.sensor import Done, Sensor, results
 from echocal.watch.settings import WatchSettings
 from echocal.watch.signatures import unwatchable
 from echocal.watch.state import State
@@ -97,14 +98,20 @@ class Fleet:
         own = Reading.of(self.options, self.uncertainties, self.mark_rows)
         self._time_format = own.time_format
         self._reading = replace(own, time_format=None)  # of times that are read
-        self._reader = Reader(own.requests, ignored=ignored, missing=own.missing)
+        self._reader = Reader(
+            own.requests, ignored=ignored, missing=own.missing, mount_height=own.mount_height
+        )
         codes = own.missing if isinstance(own.missing, Mapping) else ()
         self._named = {"columns": own.requests, "trust": own.trust, "missing": codes}
         self._comparison = Comparison(self.reference, self.state)
 
+    def results(self, row: Row) -> tuple[str, str, str]:
+        """Names of the columns that are appended to a row."""
+        return results(first_of(row, self._reading))
+
     def refusal(self, row: Row) -> str:
         """Why a row alone, of many kinds, is none of an echo; empty if it is one."""
-        if why := refused_names(row, RESULTS):
+        if why := refused_names(row, self.results(row)):
             return why
         if self.by is not None and not _id_of(row.get(self.by)):
             held = f"holds {row[self.by]!r}" if self.by in row else f"is not there; it has {', '.join(row)}"
@@ -157,7 +164,7 @@ class Fleet:
                 continue
             sensor.rows += 1
             entry = Entry(row, sensor.rows, place, self.decimal or decimal, units=units or {}, why=why)
-            own.setdefault(id_, []).append(entry.read(self._reader))
+            own.setdefault(id_, []).append(entry.read(self._reader, sensor.model))
         sensors = [sensor for id_ in own if (sensor := self._sensors[id_])]
         for sensor in sensors:
             sensor.arrive(own[sensor.id], self._reading.time_zone, self._time_format)
@@ -179,7 +186,7 @@ class Fleet:
         """The rows that still wait, corrected as if no row came any more; nothing changes."""
         waiting = [(sensor, sensor.released(all_of_them=True)) for sensor in self._waiting()]
         done, _ = self._corrected(waiting, tell=False)
-        return [row.output() for row in sorted(done, key=Done.order)]
+        return [row.output(self.results(row.entry.row)) for row in sorted(done, key=Done.order)]
 
     def forget(self) -> None:
         """Forget what the state does not know."""
@@ -246,7 +253,7 @@ class Fleet:
         self.corrected += sum(math.isfinite(row.distance) for row in done)
         self._keep(sensors)
         told.sort(key=lambda one: one[0])
-        return [row.output() for row in done], [event for _, event in told]
+        return [row.output(self.results(row.entry.row)) for row in done], [event for _, event in told]
 
     def _keep(self, sensors: Sequence[Sensor]) -> None:
         before = self.state.fact("waiting") or []
@@ -283,7 +290,8 @@ class Fleet:
         asked = {**self._reading.requests, **sensor.requests, "time": "time", "time_s": "time_s"}
         away = [name for name in (self.by, self.reference.same_target, "topic") if name]
         columns = {**asked, **dict.fromkeys(away, "ignore")}
-        options["columns"] = {name: said for name, said in columns.items() if name in names}
+        held = {name: said for name, said in columns.items() if name in names}
+        options["columns"] = mounted_as(held, sensor.model)
         options["trust"] = [name for name in self._reading.trust if name in names]
         if self.reference.kind == "distance":
             options["reference_distance"] = self.reference.reference_distance
@@ -325,7 +333,7 @@ class Fleet:
         if kept is not None:
             sensor.restore(kept)
             for entry in sensor.window:
-                entry.read(self._reader)
+                entry.read(self._reader, model)
             notes = []
         self._sensors[id_] = sensor
         return notes
@@ -345,7 +353,7 @@ class Fleet:
                 raise DataError(message)
             known = {name for row in rows for name in self._reader.columns(list(row), units).plan.assignments}
             asked = [(name, column) for name, own in self._named.items() for column in own if column]
-            refuse_columns(names, asked, known, RESULTS, self.reference, self.interval)
+            refuse_columns(names, asked, known, self.results(rows[0]), self.reference, self.interval)
             self._refuse_no_echo(rows[0], units)
         except (DataError, UsageError) as error:
             if not self.mixed:
@@ -364,11 +372,13 @@ class Fleet:
             raise DataError(NO_ECHO)
 
 
-def _done(sensor: Sensor, place: int, results: Results, at: int) -> Done:
+def _done(sensor: Sensor, place: int, found: Results, at: int) -> Done:
     entry = sensor.window[place]
     last = sensor.window[min(place + sensor.context, len(sensor.window) - 1)]
-    distance, uncertainty = float(results.distance[at]), float(results.uncertainty[at])
-    return Done(entry, sensor, results.status[at], distance, uncertainty, last.place)
+    distance, uncertainty, level = (
+        float(own[at]) for own in (found.distance, found.uncertainty, found.level)
+    )
+    return Done(entry, sensor, found.status[at], distance, uncertainty, level, last.place)
 
 
 def _id_of(field: Any) -> str:

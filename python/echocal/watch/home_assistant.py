@@ -14,7 +14,7 @@ from typing import Any
 from urllib.parse import unquote, urlsplit
 
 from echocal._core import __version__
-from echocal.correct.results import DISTANCE, STATUS, UNCERTAINTY
+from echocal.correct.results import DISTANCE, LEVEL, STATUS, UNCERTAINTY
 from echocal.errors import UsageError
 from echocal.watch.events import Event, finite
 from echocal.watch.mqtt import client_of, connect
@@ -82,12 +82,13 @@ class HomeAssistant:
                 self._changes[event.sensor] = event.sentence
         last = {str(row.get(self._by, "")) if self._by else "": row for row in rows}
         for sensor, row in last.items():
+            first = LEVEL if LEVEL in row else DISTANCE
             own = slug(sensor or self._node or "ranger")
             if sensor not in self._told:
-                topic, payload = discovery(own, sensor or self._node, self._prefix, self._base)
+                topic, payload = discovery(own, sensor or self._node, self._prefix, self._base, first)
                 self._publish(topic, payload)
                 self._told[sensor] = own
-            state = {name: row.get(name) for name in (DISTANCE, UNCERTAINTY, STATUS)}
+            state = {name: row.get(name) for name in (first, UNCERTAINTY, STATUS)}
             change = {
                 "changed": "ON" if sensor in self._changes else "OFF",
                 _CHANGE: self._changes.get(sensor),
@@ -105,7 +106,7 @@ class HomeAssistant:
 
 
 def discovery(
-    own: str, name: str, prefix: str = _PREFIX, base: str = "echocal"
+    own: str, name: str, prefix: str = _PREFIX, base: str = "echocal", first: str = DISTANCE
 ) -> tuple[str, dict[str, Any]]:
     """Topic and payload by which Home Assistant finds a sensor.
 
@@ -119,6 +120,8 @@ def discovery(
         Of the discovery topics.
     base : str
         What the topics of this watch begin with.
+    first : str
+        Name of the first result of a row.
 
     Examples
     --------
@@ -128,15 +131,16 @@ def discovery(
     ('homeassistant/device/echocal_tank_7/config', '{{ value_json.corrected_distance_m }}')
     """
     identity = f"{base.replace('/', '_')}_{own}"
+    what = "level" if first == LEVEL else "distance"
     parts: dict[str, dict[str, Any]] = {
-        "distance": {
+        what: {
             "platform": "sensor",
-            "name": "Distance",
+            "name": what.capitalize(),
             "device_class": "distance",
             "state_class": "measurement",
             "unit_of_measurement": "m",
             "suggested_display_precision": 3,
-            "value_template": _value(DISTANCE),
+            "value_template": _value(first),
         },
         "uncertainty": {
             "platform": "sensor",
@@ -150,7 +154,7 @@ def discovery(
         },
         "status": {
             "platform": "sensor",
-            "name": "Why a row has no distance",
+            "name": f"Why a row has no {what}",
             "entity_category": "diagnostic",
             "value_template": f"{{{{ value_json.{STATUS} or 'it has one' }}}}",  # an empty state is left out
         },

@@ -7,8 +7,10 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from echocal.model import Model
 from echocal.observations.found import Found
 from echocal.observations.hints import completed
+from echocal.observations.mount import kept_height, mounted_as, with_named_levels
 from echocal.observations.names import EXTRA, IGNORE, by_request
 from echocal.observations.numbers import NO_NUMBER, Missing, number_of
 from echocal.observations.plan import Assignment, Plan, make, read_columns
@@ -76,10 +78,17 @@ class Reader:
         Columns that hold no quantity, such as the sensor's id.
     missing : collection, or mapping of str to collection
         Error codes that mean "no value".
+    mount_height : float, optional
+        Of the sensor above the zero of levels [m].
     """
 
     def __init__(
-        self, columns: Mapping[str, str] | None = None, *, ignored: Sequence[str] = (), missing: Any = ()
+        self,
+        columns: Mapping[str, str] | None = None,
+        *,
+        ignored: Sequence[str] = (),
+        missing: Any = (),
+        mount_height: float | None = None,
     ) -> None:
         self.requests = read_columns(columns)
         for name, request in self.requests.items():
@@ -87,25 +96,32 @@ class Reader:
                 by_request(name, request)
         self.ignored = tuple(ignored)
         self.missing = Missing(missing)
-        self._known: dict[tuple[frozenset[str], tuple[tuple[str, str], ...]], Columns] = {}
+        self.mount_height = mount_height
+        self._known: dict[tuple[Any, ...], Columns] = {}
         self._codes: dict[str, tuple[frozenset[str], frozenset[float]]] = {}
 
-    def columns(self, names: Sequence[str], units: Mapping[str, str] | None = None) -> Columns:
-        """What columns are, by their names, and by units that a log gives beside them.
+    def columns(
+        self, names: Sequence[str], units: Mapping[str, str] | None = None, model: Model | None = None
+    ) -> Columns:
+        """What columns are, by their names, by units that a log gives beside them, and by a model's height.
 
         Raises
         ------
         DataError
             If a name has no known unit, or two hold the same quantity.
+        UsageError
+            If no column is a level and a height is given, or the model's is another one.
         """
         said = units or {}
-        key = frozenset(names), tuple(said.items())
+        key = frozenset(names), tuple(said.items()), None if model is None else kept_height(model)
         if key not in self._known:
             if len(self._known) >= _PLANS:
                 self._known.pop(next(iter(self._known)))
             requests = {name: own for name, own in self.requests.items() if name in key[0]}
             requests |= dict.fromkeys((name for name in self.ignored if name in key[0]), IGNORE)
+            requests = with_named_levels(names, requests, self.mount_height)
             requests, _ = completed(names, requests, Found(units=said))
+            requests = requests if model is None else dict(mounted_as(requests, model))
             self._known[key] = Columns(tuple(names), requests, make(names, requests))
         return self._known[key]
 
@@ -121,8 +137,6 @@ class Reader:
         damaged = []
         for column in columns.measured:
             value = self._number(row[column], column, decimal)
-            if value is None and isinstance(row[column], str):
-                value = _odd_number(row[column])
             numbers[column] = np.nan if value is None else value
             if value is None:
                 damaged.append(column)
@@ -152,12 +166,6 @@ class Reader:
             except (TypeError, ValueError):
                 return None
         return np.nan if number in codes else number
-
-
-def _odd_number(text: str) -> float | None:
-    """What a table takes for a number, too."""
-    number = float(pd.to_numeric(pd.Series([text.strip()], dtype=object), errors="coerce").iloc[0])
-    return None if np.isnan(number) else number
 
 
 def refused_names(row: Row, results: Sequence[str]) -> str:

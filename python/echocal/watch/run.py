@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
 
-from echocal.correct.results import DISTANCE, STATUS
+from echocal.correct.results import STATUS
 from echocal.errors import DataError, UsageError
 from echocal.keywords import keyword
 from echocal.watch.events import Event
@@ -16,7 +16,6 @@ from echocal.watch.fleet import Fleet
 from echocal.watch.output import Growing, Stream, Table
 from echocal.watch.parser import Arrival, Batch, Unread
 from echocal.watch.rows import Row, refused_names
-from echocal.watch.sensor import RESULTS
 from echocal.watch.source import Source
 
 __all__ = ["SCHEMA", "Run"]
@@ -68,9 +67,9 @@ class Run:
             if self.fleet.mixed:
                 why = self.fleet.refusal(row)
                 if not why and isinstance(self.table, Table):  # not later, when it has waited among others
-                    why = self.table.refusal([*row, *RESULTS])
+                    why = self.table.refusal([*row, *self.fleet.results(row)])
             else:  # the first rows of a table are refused as a whole
-                why = refused_names(row, RESULTS) if self.fleet.state.fact("begun") else ""
+                why = refused_names(row, self.fleet.results(row)) if self.fleet.state.fact("begun") else ""
             if why:
                 aside.append(Unread(arrival.source, why, arrival.text))
             else:
@@ -107,7 +106,7 @@ class Run:
     def _write(self, corrected: list[Row], news: list[Event], aside: list[Unread]) -> None:
         state = self.fleet.state
         if not state.fact("corrected"):
-            if any(row[DISTANCE] is not None for row in corrected):
+            if any(row[self.fleet.results(row)[0]] is not None for row in corrected):
                 state.set_fact("corrected", True)
             for row in corrected:
                 self._lost[row[STATUS]] += 1

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from echocal.correct.needed import context_of
-from echocal.correct.results import DISTANCE, STATUS, UNCERTAINTY
+from echocal.correct.results import LEVEL, STATUS, UNCERTAINTY
 from echocal.errors import DataError
 from echocal.keywords import keyword
 from echocal.model import Model
@@ -24,10 +24,13 @@ from echocal.watch.rows import Row, conditions_of, row_to_keep
 from echocal.watch.settings import WatchSettings
 from echocal.watch.signatures import Signature, Signatures, refuse_unwatchable, step_and_drift
 
-__all__ = ["RESULTS", "Done", "Host", "Sensor"]
+__all__ = ["Done", "Host", "Sensor", "results"]
 
-RESULTS = (DISTANCE, UNCERTAINTY, STATUS)
-"""Names of the columns that are appended."""
+
+def results(first: str) -> tuple[str, str, str]:
+    """Names of the columns that are appended, where the first is that of a distance or of a level."""
+    return first, UNCERTAINTY, STATUS
+
 
 Column = NDArray[np.float64]
 
@@ -46,6 +49,7 @@ class Done:
     # distance, uncertainty: corrected distance and its standard uncertainty [m]
     distance: float = np.nan
     uncertainty: float = np.nan
+    level: float = np.nan  # what is written of a level [m]
     released: int = 0  # place of the row that this one has waited for
     reference: float = np.nan  # reference distance [m]
     target: tuple[str, int] | None = None  # see `Waiting`
@@ -54,11 +58,12 @@ class Done:
         """Rows come out when they are released, in the order in which they came."""
         return self.released, self.entry.place
 
-    def output(self) -> Row:
-        """The row with its results; not a number is None."""
+    def output(self, names: tuple[str, str, str]) -> Row:
+        """The row with its results under their names; not a number is None."""
         uncertainty = float(str(np.float32(self.uncertainty)))
-        results = map(finite, (round(self.distance, _DIGITS), uncertainty, self.status))
-        return {**self.entry.row, **dict(zip(RESULTS, results, strict=True))}
+        value = self.level if names[0] == LEVEL else self.distance
+        own = map(finite, (round(value, _DIGITS), uncertainty, self.status))
+        return {**self.entry.row, **dict(zip(names, own, strict=True))}
 
 
 class Host(Protocol):

@@ -1,7 +1,7 @@
 //! Firmware: a request in, texts and the bit-exact twin out.
 
 use echocal_core::{Conditions, Quantity};
-use echocal_firmware::emit::unit_files;
+use echocal_firmware::emit::{air_files, unit_files};
 use echocal_firmware::lower::{Lowered, Omission, describe, lower, lower_without_echo};
 use echocal_firmware::output::OUTPUTS;
 use echocal_firmware::target;
@@ -53,6 +53,11 @@ impl CoreFirmware {
     /// Path and text of the files for the parameters of single units; `layout` holds their integers, as JSON.
     fn unit_files(&self, layout: &str) -> PyResult<Files> {
         unit_files(&self.device, &self.provenance.name, layout).map_err(|error| to_python(&error))
+    }
+
+    /// Path and text of the files for a thermometer that lags; `layout` holds their integers, as JSON.
+    fn air_files(&self, layout: &str) -> PyResult<Files> {
+        air_files(&self.device, &self.provenance.name, layout).map_err(|error| to_python(&error))
     }
 
     /// Bytes and cycles (or instructions) by the cost model that ranked this design. Not measured.

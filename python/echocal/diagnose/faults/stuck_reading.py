@@ -85,7 +85,8 @@ def _long(view: View, own: Thresholds, settings: FaultSettings) -> Found | None:
         frozen[start : start + length] = True
     live = view.after(view.without(frozen, FACTS.id))
     off = np.abs(view.indication[starts[long]] - expected_everywhere(live)[starts[long]])
-    frozen[starts[long][off <= settings.far.deviations * live.scatter]] = False  # it was measured
+    measured = off <= settings.far.deviations * live.scatter
+    frozen[starts[long][measured]] = False
     first, length = int(starts[long[0]]), int(lengths[long[0]])
     because = (
         f"rows {first + 1} to {first + length} all read {view.indication[first]:.4f} m; by the step of "
@@ -94,7 +95,8 @@ def _long(view: View, own: Thresholds, settings: FaultSettings) -> Found | None:
     )
     quantity = "echo_time" if view.observations.reading is None else "reading"
     shortest = int(lengths[long].min())
-    rule = RowRule(reason=FACTS.id, kind="run", quantity=quantity, length=shortest)
+    whole = not measured.all()  # a value that was never measured may come again
+    rule = RowRule(reason=FACTS.id, kind="run", quantity=quantity, length=shortest, whole=whole)
     return _found(view, frozen, evidence, because, (first, length), [rule])
 
 

@@ -15,13 +15,13 @@ from echocal.diagnose.preprocess.view import View
 from echocal.diagnose.settings.faults import FaultSettings
 from echocal.diagnose.settings.threshold import threshold
 from echocal.observations.marks import RowRule
+from echocal.time_outs import HC_SR04
 
 __all__ = ["FAULT"]
 
 Column = NDArray[np.float64]
 
 _SAME = 1e-10  # relative; what arithmetic leaves of one constant
-_KNOWN = 38e-3  # s, length of the HC-SR04's pulse without an echo (data sheet)
 
 
 @dataclass(frozen=True)
@@ -89,7 +89,7 @@ def _constant(
         return -np.inf, np.empty(0, dtype=np.int64)
     place = float(np.median(view.indication[found.rows]))
     echo = float(np.median(view.observations.echo_time[found.rows]))
-    known = _normal(echo / _KNOWN, own.tolerance / _KNOWN)
+    known = _normal(echo / HC_SR04, own.tolerance / HC_SR04)
     among_good = settings.constant.among if place <= found.longest else 1.0
     here = float(np.log(0.5 * among_good / settings.constant.range + 0.5 * known))
     there = _log_of_a_place(place, float(np.median(found.expected)), settings, own)
@@ -143,7 +143,7 @@ def spoil(table: Columns, random: np.random.Generator) -> None:
     """Report 38 ms in rows without an echo."""
     rows = random.choice(len(table["reading_m"]), 5, replace=False)
     speed = 331.4 + 0.6 * table["temperature_C"][rows]
-    table["reading_m"][rows] = 0.5 * speed * _KNOWN
+    table["reading_m"][rows] = 0.5 * speed * HC_SR04
 
 
 FAULT = Fault(FACTS, detect, spoil, Thresholds())

@@ -149,15 +149,14 @@ def _side_by_side(table: Any, by: str, rangers: Sequence[str], options: Any) -> 
         If nothing says what one of the columns holds, or it is no reading and no echo time.
     """
     from echocal.observations.found import found_in, keep
-    from echocal.observations.hints import hint
+    from echocal.observations.hints import of_ranger
     from echocal.observations.names import by_request
 
     found = found_in(table)
     requests = {name: own for name, own in options.requests.items() if name not in rangers}
     parts = {}
     for ranger in rangers:
-        said = hint(ranger, found.units.get(ranger, ""))
-        request = options.requests.get(ranger) or (said.name if said else "")
+        request = options.requests.get(ranger) or of_ranger(ranger, found.units.get(ranger, ""))
         held = by_request(ranger, request) if request else None
         if held is None or held[0].level or held[0].quantity not in ("reading", "echo_time"):
             meant = keyword("columns", {ranger: "reading_cm"})

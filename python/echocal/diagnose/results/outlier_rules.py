@@ -1,5 +1,7 @@
 """Rules by which a correction finds the outliers that the diagnosis left out, in other rows too."""
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -10,9 +12,9 @@ from echocal.diagnose.settings import Settings
 from echocal.model import Model
 from echocal.observations import Observations
 from echocal.observations.correction import corrected_distance
-from echocal.observations.marks import RowRule, apart_from_neighbors
+from echocal.observations.marks import RowRule, apart_from_neighbors, marked
 
-__all__ = ["outlier_rules"]
+__all__ = ["outlier_rules", "unmet"]
 
 Column = NDArray[np.float64]
 
@@ -53,3 +55,24 @@ def outlier_rules(
         if np.mean(apart[off & np.isfinite(apart)] > limit) > 0.5:
             rules.append(RowRule(reason=FAR, kind="far from neighbors", quantity=quantity, deviation=limit))
     return rules
+
+
+def unmet(
+    observations: Observations, reference: Column | None, fates: Fates, model: Model, rules: Sequence[RowRule]
+) -> list[str]:
+    """What a correction must be told of outliers that were left out and that no rule finds; else nothing.
+
+    Parameters
+    ----------
+    observations, reference, fates, model
+        As in `outlier_rules`.
+    rules : sequence of RowRule
+        All that the model keeps.
+    """
+    off = np.isin(fates.fate.astype(str), _OUTLIERS)
+    if not off.any():
+        return []
+    distance = corrected_distance(observations, model)
+    found, _ = marked(observations, distance, reference, tuple(rules))
+    lost = int((off & (found == "") & np.isfinite(distance)).sum())
+    return [f"{FAR} ({lost} of {int(off.sum())} such rows)"] if lost else []

@@ -49,21 +49,24 @@ class Faults:
         found = {f.facts.needs[0]: f.rms for f in self.accepted if f.facts.kind == "noise"}
         return {name: rms for name, rms in found.items() if name in {"reading", "echo_time"}}
 
-    def marks(self, more: Sequence[RowRule] = ()) -> dict[str, Any]:
-        """What a model file keeps: rules for rows, and faults that no rule finds, as plain data.
+    def rules(self, more: Sequence[RowRule] = ()) -> tuple[RowRule, ...]:
+        """Rules for rows in the order in which a correction takes them.
 
-        A correction takes the rules in this order. Those for typing errors, and further ones, come last,
-        because they are met by every far row.
+        Those for typing errors, and further ones, come last, because they are met by every far row.
         """
         faults = [f for f in self.accepted if f.facts.kind != "noise"]
         ordered = sorted(faults, key=lambda finding: finding.cause == "mistyped_rows")
+        return (*(r for f in ordered for r in f.rules), *more)
+
+    def marks(self, more: Sequence[RowRule] = (), unmet: Sequence[str] = ()) -> dict[str, Any]:
+        """What a model file keeps: rules for rows, and what no rule finds, as plain data."""
+        faults = [f for f in self.accepted if f.facts.kind != "noise"]
+        without = [finding.cause for finding in faults if not finding.rules and finding.share > 0.0]
         marks = {
-            "rules": [rule.to_dict() for rule in (*(r for f in ordered for r in f.rules), *more)],
-            "without_rule": [
-                finding.cause for finding in faults if not finding.rules and finding.share > 0.0
-            ],
+            "rules": [rule.to_dict() for rule in self.rules(more)],
+            "without_rule": [*without, *unmet],
         }
-        return {MARKS: marks} if faults or more else {}
+        return {MARKS: marks} if faults or more or unmet else {}
 
     @property
     def explain_a_refusal(self) -> bool:
