@@ -155,7 +155,7 @@ class Follower:
         Examples
         --------
         >>> Follower(-320, 960, 300.0, 10.0, 60.0).outputs([320, 324, 328, 328])
-        [320, 339, 355, 352]
+        [320, 339, 355, 351]
         """
         smoothed, found = None, []
         for code in codes:
