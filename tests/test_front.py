@@ -18,6 +18,7 @@ from typer.testing import CliRunner
 
 import echocal
 from echocal.cli import _front, app
+from echocal.diagnose.results.brief import brief
 from echocal.errors import UsageError
 from echocal.observations.inspection import inspect_log
 
@@ -269,6 +270,18 @@ def test_a_column_in_another_unit_is_to_be_mended_and_not_corrected(run: Run) ->
     assert "mend the program or the table" in " ".join(said.split())
     assert "echocal correct" not in said
     assert "None" not in said
+
+
+def test_what_stands_in_the_beam_is_told_with_its_place_and_what_to_do(random: np.random.Generator) -> None:
+    distance = np.repeat([0.4, 0.8, 1.2, 1.6, 2.0], 12)
+    celsius = random.uniform(15.0, 25.0, 60)
+    reading = np.minimum(distance, 1.7) + random.normal(0.0, 1e-3, 60)
+    echo_us = 1e6 * echocal.time_of_flight(reading, celsius, law="linear")
+    table = {"echo_us": echo_us, "temperature_C": celsius, "distance_m": distance}
+    said = brief(echocal.diagnose(table))
+    (at,) = re.findall(r"distance = ([0-9.]+)\([0-9]+\) mm", said.size)
+    assert float(at) == pytest.approx(1700.0, abs=1.5)
+    assert "look along the beam" in said.next
 
 
 def raw(random: np.random.Generator, count: int = 120) -> pd.DataFrame:

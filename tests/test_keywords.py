@@ -18,6 +18,7 @@ import echocal
 from echocal import cli, firmware, watch
 from echocal.emulation import emulate
 from echocal.keywords import as_here, command_line, keyword, naming
+from echocal.lagging import generate_lagging
 from echocal.per_unit import generate_per_unit
 from echocal.waveforms.reading import read_waveforms
 
@@ -84,6 +85,7 @@ def test_each_keyword_is_one_of_python_and_has_a_flag() -> None:
         firmware.generate,
         firmware.EchoCodes,
         generate_per_unit,
+        generate_lagging,
         emulate,
         read_waveforms,
     ]
@@ -97,7 +99,7 @@ def test_each_keyword_is_one_of_python_and_has_a_flag() -> None:
             assert keyword(name) == flags[name] or flags[name] in OTHER, name
 
 
-OTHER = {"--column", "--uncertainty", "--max-distance-m"}
+OTHER = {"--column", "--uncertainty", "--max-distance-m", "--lag-interval-s", "--lag-smoothing-s"}
 OTHER |= {"--echo-lsb-us", "--echo-min-us", "--echo-max-us", "--echo-bits"}
 """Flags that are not spelled as the keyword; the command that runs tells them."""
 

@@ -93,8 +93,10 @@ class Effect:
     edges: bool
     """Whether its formula has edges, where a derivative jumps."""
     recurs: bool
-    # domain, check: where it holds, and the measurement that confirms or refutes it
     """Whether it also applies to another campaign. Effects that began or grew during one do not."""
+    prior: float
+    # domain, check: where it holds, and the measurement that confirms or refutes it
+    """How probable it is before the data, beside a usual effect (1)."""
     domain: str
     check: str
     firmware: Literal["folded", "needs", "refused"]

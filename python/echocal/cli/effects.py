@@ -183,6 +183,7 @@ def facts(effect: Effect) -> dict[str, str]:
         "only beside": ", ".join(f"law {law}" for law in effect.extends),
         "holds for": effect.domain,
         "check": effect.check,
+        "prior": "" if effect.prior == 1.0 else f"{effect.prior:g} of that of other effects",
         "firmware": _on_a_device(effect),
         "source": effect.source,
     }

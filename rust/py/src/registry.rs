@@ -30,6 +30,7 @@ fn effect<'py>(py: Python<'py>, facts: &Facts) -> PyResult<Bound<'py, PyDict>> {
     dict.set_item("extends", facts.extends.to_vec())?;
     dict.set_item("edges", facts.edges)?;
     dict.set_item("recurs", facts.recurs)?;
+    dict.set_item("prior", facts.prior)?;
     dict.set_item("domain", facts.domain)?;
     dict.set_item("check", facts.check)?;
     let (form, detail) = match facts.firmware {

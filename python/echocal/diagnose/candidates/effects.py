@@ -46,7 +46,7 @@ def effect_candidates(found: Candidates, scene: Scene) -> None:
             found.skipped[effect.id] = "too few distances before the one where it would begin"
             continue
         total = 1.0 if _each_counts(effect, scene) else sum(v.weight for v in variants)
-        found.variants += [replace(v, weight=v.weight / total) for v in variants]
+        found.variants += [replace(v, weight=effect.prior * v.weight / total) for v in variants]
 
 
 def _each_counts(effect: Effect, scene: Scene) -> bool:

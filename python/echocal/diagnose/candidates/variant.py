@@ -36,7 +36,7 @@ class Variant:
     bounds : tuple of (float, float)
         Bounds of each coefficient, in the same units.
     weight : float
-        Probability among the variants of its cause.
+        Probability among the variants of its cause, times the prior of this cause beside a usual one.
     against : str
         For `UNKNOWN`, the column of the function.
     bound : tuple of (str, str)

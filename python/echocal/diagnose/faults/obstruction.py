@@ -81,7 +81,7 @@ def detect(view: View, own: Thresholds, settings: FaultSettings) -> Found | None
         f"{listed(rows)} read about {place:.3f} m, where {found.expected.min():.3f} to "
         f"{found.expected.max():.3f} m are expected: something stands there in the beam; left out"
     )
-    alike, rivals = [thing], [found.as_wild, constant]
+    alike, rivals = [thing], [found.as_wild, constant, found.as_frozen]
     (alike if whole else rivals).append(wrong)
     evidence = float(np.logaddexp.reduce(alike) - np.logaddexp.reduce(rivals))
     sizes = ((place, spread / count**0.5), int(rows.sum()))

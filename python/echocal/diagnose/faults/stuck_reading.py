@@ -1,13 +1,18 @@
 """A reading that froze."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from echocal.diagnose.faults.common.constant import log_choices
 from echocal.diagnose.faults.common.fault import Fault, Found
-from echocal.diagnose.faults.common.values import expected_everywhere, recorded
+from echocal.diagnose.faults.common.one_value import one_value
+from echocal.diagnose.faults.common.outliers import far_rule
+from echocal.diagnose.faults.common.values import expected_everywhere, far, recorded
 from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
+from echocal.diagnose.findings.finding import listed
 from echocal.diagnose.preprocess.view import View
 from echocal.diagnose.settings.faults import FaultSettings
 from echocal.diagnose.settings.threshold import threshold
@@ -57,7 +62,16 @@ def runs(values: NDArray[np.float64]) -> tuple[NDArray[np.int64], NDArray[np.int
 
 
 def detect(view: View, own: Thresholds, settings: FaultSettings) -> Found | None:
-    """Compare the longest runs with how often neighbors would be equal by themselves."""
+    """Compare the longest runs with how often neighbors would be equal by themselves.
+
+    A run that goes on while the target moves is judged by that, as in calm air all runs are long.
+    """
+    found = [_long(view, own, settings), _after_a_move(view, settings)]
+    return max((one for one in found if one is not None), key=lambda one: one.log_bayes, default=None)
+
+
+def _long(view: View, own: Thresholds, settings: FaultSettings) -> Found | None:
+    """Runs far longer than the others."""
     values = np.where(view.good, recorded(view), np.nan)
     starts, lengths = runs(values)
     if lengths.max() < _SHORTEST or len(lengths) < 2:
@@ -74,16 +88,52 @@ def detect(view: View, own: Thresholds, settings: FaultSettings) -> Found | None
     measured = off <= settings.far.deviations * live.scatter
     frozen[starts[long][measured]] = False
     first, length = int(starts[long[0]]), int(lengths[long[0]])
-    value = float(view.indication[first])
     because = (
-        f"rows {first + 1} to {first + length} all read {value:.4f} m; by the step of the readings, their "
-        f"noise and the other runs {usual:.2g} such runs are expected; repeated rows are left out"
+        f"rows {first + 1} to {first + length} all read {view.indication[first]:.4f} m; by the step of "
+        f"the readings, their noise and the other runs {usual:.2g} such runs are expected; repeated rows are "
+        "left out"
     )
     quantity = "echo_time" if view.observations.reading is None else "reading"
     shortest = int(lengths[long].min())
     whole = not measured.all()  # a value that was never measured may come again
-    rules = (RowRule(reason=FACTS.id, kind="run", quantity=quantity, length=shortest, whole=whole),)
-    return Found(frozen, evidence, because, (first + 1, length, value), rules=rules)
+    rule = RowRule(reason=FACTS.id, kind="run", quantity=quantity, length=shortest, whole=whole)
+    return _found(view, frozen, evidence, because, (first, length), [rule])
+
+
+def _after_a_move(view: View, settings: FaultSettings) -> Found | None:
+    """Rows that repeat the reading from before the target moved: docs/method/faults.md, Eq. 31d."""
+    values = recorded(view)
+    found = one_value(view, far(view, settings.far) & (values > 0), values, settings, FACTS.id)
+    if found is None or not np.isfinite(found.as_frozen):
+        return None
+    level = float(np.log(0.5 * settings.constant.among / settings.constant.range))  # as for a time-out
+    constant = found.as_constant + level - log_choices(len(found.rows), len(found.rows) + found.others)
+    evidence = found.as_frozen - float(np.logaddexp(found.as_wild, constant))
+    starts, lengths = runs(np.where(view.good, values, np.nan))
+    off = np.abs(view.deviation) > settings.far.deviations * view.scatter
+    frozen = off & np.isin(np.repeat(starts, lengths), np.repeat(starts, lengths)[found.rows])
+    first, length = int(found.rows[0]), int(frozen.sum())
+    because = (
+        f"{listed(frozen)} read {float(view.indication[first]):.4f} m as the row before them, where "
+        f"{found.expected[0]:.4f} m is expected; left out"
+    )
+    rest = view.after(view.without(frozen, FACTS.id))
+    sides = np.unique(np.sign(view.deviation[frozen])).astype(int).tolist()
+    rules = [far_rule(rest, FACTS.id, side, settings) for side in sides]
+    return _found(view, frozen, evidence, because, (first, length), rules)
+
+
+def _found(
+    view: View,
+    frozen: NDArray[np.bool_],
+    evidence: float,
+    because: str,
+    run: tuple[int, int],
+    rules: Sequence[RowRule],
+) -> Found:
+    first, length = run
+    value = float(view.indication[first])
+    return Found(frozen, evidence, because, (first + 1, length, value), rules=tuple(rules))
 
 
 def _longest(

@@ -95,7 +95,8 @@ def _constant(
     there = _log_of_a_place(place, float(np.median(found.expected)), settings, own)
     chosen = log_choices(len(found.rows), len(found.rows) + found.others)
     as_constant, as_echoes = (log - chosen for log in (found.as_constant + here, found.as_echoes + there))
-    return float(as_constant - np.logaddexp(found.as_wild, as_echoes)), found.rows
+    rivals = [found.as_wild, as_echoes, found.as_frozen]
+    return float(as_constant - np.logaddexp.reduce(rivals)), found.rows
 
 
 def _log_of_a_place(place: float, expected: float, settings: FaultSettings, own: Thresholds) -> float:

@@ -108,8 +108,9 @@ def _sentence(cause: Cause) -> str:
 
 def _size(diagnosis: Outcome) -> str:
     gain, sizes = diagnosis.gain, []
-    for cause in _named(diagnosis) or _spoiling(diagnosis):
-        known = [p for p in cause.parameters if p.unit != "1"] or cause.parameters
+    for cause in [*_named(diagnosis), *_spoiling(diagnosis)]:
+        fitted = [p for p in cause.parameters if p.unit != "1" or p.standard_uncertainty]
+        known = [p for p in fitted if p.unit != "1"] or fitted
         sizes += [parameter_text(p.name, p.value, p.standard_uncertainty, p.unit) for p in known[:1]]
     error = [_error(gain)] if gain is not None and gain.held_out_rows else []
     return "; ".join([*error, *sizes[:_SHOWN]] or ["no row can judge a correction"]) + "."
@@ -153,15 +154,23 @@ def _next(diagnosis: Outcome) -> str:
         return f"{without_movement()}."
     if diagnosis.verdict == "named" and column_fault(diagnosis):
         return "mend the program or the table; the diagnosis has put it right for itself only."
+    left_out = [cause for cause in _spoiling(diagnosis) if cause.kind == "row"]
+    steps = [f"left out rows: {find_cause(cause.id).check}" for cause in left_out[:1]]
+    first, *others = [step for step in (_next_of_the_rest(diagnosis), *steps) if step]
+    return ". ".join([first, *(f"{step[0].upper()}{step[1:]}" for step in others)]) + "."
+
+
+def _next_of_the_rest(diagnosis: Outcome) -> str:
+    """What the rows that are used ask for; nothing where other rows are all that is wrong."""
     if _named(diagnosis) and diagnosis.model.effects:
-        return "correct the readings with this model."
+        return "correct the readings with this model"
     if diagnosis.next_measurements:
-        return f"{proposal_text(diagnosis.next_measurements[0])}."
+        return proposal_text(diagnosis.next_measurements[0])
     if diagnosis.unexplained is not None:
-        return f"look for what changes with the {spoken(diagnosis.unexplained.against)}."
-    if _spoiling(diagnosis):
-        return "look at the rows that are left out."
-    return "nothing to correct." if diagnosis.verdict == "named" else "measure at another distance."
+        return f"look for what changes with the {spoken(diagnosis.unexplained.against)}"
+    if spoiling := _spoiling(diagnosis):
+        return "" if spoiling[0].kind == "row" else find_cause(spoiling[0].id).check
+    return "nothing to correct" if diagnosis.verdict == "named" else "measure at another distance"
 
 
 def _named(diagnosis: Outcome) -> list[Cause]:

@@ -131,6 +131,8 @@ pub struct Facts {
     pub edges: bool,
     /// Whether another campaign meets it again: what grew or began in the course of one does not.
     pub recurs: bool,
+    /// How probable it is before the data, beside a usual effect (1).
+    pub prior: f64,
     /// Where it holds, in words.
     pub domain: &'static str,
     /// The measurement that confirms or refutes it.
@@ -160,6 +162,7 @@ impl Facts {
         bends: false,
         edges: false,
         recurs: true,
+        prior: 1.0,
         domain: "any distance and air",
         check: "",
         firmware: Firmware::Folded,

@@ -25,6 +25,8 @@ impl Effect for TemperatureGradient {
         }],
         of_distance: true,
         bends: true,
+        // even, it took the place of a comparator's time walk: docs/method/evidence.md
+        prior: 0.1,
         domain: "a gradient that is even along the path",
         check: "a second thermometer at the target, or several distances",
         ..Facts::USUAL

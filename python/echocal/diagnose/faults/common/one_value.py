@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.diagnose.faults.common.constant import finest, log_constant
-from echocal.diagnose.faults.common.values import expected_everywhere, far, limit_of
+from echocal.diagnose.faults.common.constant import finest, log_choices, log_constant
+from echocal.diagnose.faults.common.values import expected_everywhere, far, limit_of, recorded
 from echocal.diagnose.preprocess.view import View
 from echocal.diagnose.settings.faults import FaultSettings
 from echocal.observations.quantiles import MAD_TO_SD
@@ -31,6 +31,8 @@ class OneValue:
         Other far rows.
     as_constant, as_echoes, as_wild : float
         Log density of the values; of the first two without that of the level itself.
+    as_frozen : float
+        The same, if each stretch of these rows repeats the good reading before it.
     """
 
     rows: NDArray[np.int64]
@@ -40,6 +42,7 @@ class OneValue:
     as_constant: float
     as_echoes: float
     as_wild: float
+    as_frozen: float
 
 
 def one_value(
@@ -90,4 +93,18 @@ def one_value(
         log_constant(values[rows], least, settings.constant),
         log_constant(values[rows], least, settings.constant, jitter),
         float(np.log(0.5 / settings.constant.range + 0.5 * place / (2 * off * orders)).sum()),
+        _as_frozen(view, rows, least, settings),
     )
+
+
+def _as_frozen(view: View, rows: NDArray[np.int64], least: float, settings: FaultSettings) -> float:
+    """Log density of values that repeat a good row before them exactly: docs/method/faults.md, Eq. 31d."""
+    good = np.flatnonzero(view.good)
+    concerned, new = np.isin(good, rows), np.diff(recorded(view)[good], prepend=np.nan) != 0
+    run = np.cumsum(new)
+    frozen = np.unique(run[concerned])
+    if (concerned & new).any():  # a run that begins with such a row repeats none
+        return -np.inf
+    any_level = float(np.log(least * np.sqrt(2 * np.pi / len(rows))))  # but here the level is known
+    as_one_value = log_constant(recorded(view)[rows], least, settings.constant) - any_level
+    return as_one_value - log_choices(len(frozen), len(good))
