@@ -340,7 +340,7 @@ def test_a_port_that_is_silent_or_absent_is_told(monkeypatch: pytest.MonkeyPatch
         Port("/dev/ttyUSB0", 9600)
 
 
-@pytest.mark.parametrize("silent", ["0", "-1", "38000", "36012"])
+@pytest.mark.parametrize("silent", ["0", "-1", "38000", "36012", "Out of range"])
 def test_a_time_out_is_a_row_and_no_echo(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, random: np.random.Generator, silent: str
 ) -> None:

@@ -337,3 +337,14 @@ def test_a_gauge_beside_a_level_is_no_reading(tmp_path: Path, random: np.random.
     pd.DataFrame(table).to_csv(tmp_path / "pegel.csv", index=False)
     told = str(CliRunner().invoke(app, [str(tmp_path / "pegel.csv"), "--yes"]).exception)
     assert '--column "Water level [m]=level_m" --mount-height METERS' in told
+
+
+def test_an_error_that_no_row_can_show_is_not_denied() -> None:
+    celsius, scatter = np.linspace(5.0, 35.0, 60), 1e-3 * np.sin(np.arange(60.0) ** 2)
+    table = {"reading_m": 1.215 + scatter, "temperature_C": celsius}
+    said = brief(echocal.diagnose(table, constant_distance=True))
+    assert "an error that is the same in all rows cannot show" in said.wrong
+    assert said.next.startswith("measure a distance with a ruler")
+    known = brief(echocal.diagnose({**table, "reading_m": 1.2 + scatter}, reference_distance=1.2))
+    assert known.wrong == "these rows show no systematic error of the base (linear)."
+    assert known.next == "nothing to correct."

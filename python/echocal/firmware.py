@@ -202,7 +202,7 @@ def generate(
     if humidity_codes is not None and "relative_humidity" in assume:
         message = "relative_humidity is measured: it cannot be assumed as well"
         raise UsageError(message)
-    further_codes = None if further is None else further_of(further)
+    further_codes = None if further is None else further_of(further, model.reads)
     if further_codes is not None and further_codes.quantity in assume:
         message = f"{further_codes.quantity} is measured: it cannot be assumed as well"
         raise UsageError(message)

@@ -1,5 +1,6 @@
 """The further input of a device: codes of one quantity beside temperature and humidity."""
 
+from collections.abc import Collection
 from typing import Any
 
 from echocal.codes import FurtherCodes
@@ -12,17 +13,19 @@ __all__ = ["further_of"]
 _OWN = {"temperature": "temperature", "relative_humidity": "humidity", "echo_time": "echo"}
 
 
-def further_of(request: FurtherCodes | str) -> FurtherCodes:
+def further_of(request: FurtherCodes | str, reads: Collection[str]) -> FurtherCodes:
     """Return the codes of a further input, from such codes or from ``QUANTITY=LOW:HIGH:LSB[:ZERO[:SHIFT]]``.
+
+    `reads` are the quantities that the model depends on.
 
     Raises
     ------
     UsageError
-        If it is neither, or if no device has codes of the quantity.
+        If it is neither, if no device has codes of the quantity, or if nothing depends on it.
 
     Examples
     --------
-    >>> further_of("supply_voltage=4.5:5.5:0.01")
+    >>> further_of("supply_voltage=4.5:5.5:0.01", {"supply_voltage"})
     FurtherCodes(quantity='supply_voltage', lsb=0.01, low=4.5, high=5.5, zero=0.0, shift=0)
     """
     found = request if isinstance(request, FurtherCodes) else _read(request)
@@ -34,6 +37,13 @@ def further_of(request: FurtherCodes | str) -> FurtherCodes:
         known = ", ".join(name for name in QUANTITIES if name not in _OWN)
         message = (
             f"{keyword('further')} is {found.quantity!r}, and no quantity has this name: give one of {known}"
+        )
+        raise UsageError(message)
+    if found.quantity not in reads:
+        others = ", ".join(name for name in QUANTITIES if name in reads and name not in _OWN)
+        message = (
+            f"{keyword('further')} is {found.quantity}, and nothing in the model depends on it: leave it out"
+            + (f", or give one of {others}" if others else "")
         )
         raise UsageError(message)
     return found

@@ -210,6 +210,10 @@ REFUSALS: list[tuple[dict[str, Any], str]] = [
     ({"further": "supply_voltage=4.5:5.5"}, "give QUANTITY=LOW:HIGH:LSB"),
     ({"further": 5.0}, "give QUANTITY=LOW:HIGH:LSB"),
     ({"further": "voltage=4.5:5.5:0.1"}, "no quantity has this name: give one of .*supply_voltage"),
+    (
+        {"further": "wind_speed=0:8:0.25"},
+        "nothing in the model depends on it: leave it out, or give one of pressure, co2",
+    ),
     ({"further": "temperature=0:1:0.1"}, "no further input: give its codes as temperature"),
     ({"further": "supply_voltage=5.5:4.5:0.1"}, "supply voltage 5.5:4.5 V with LSB 0.1 is not a range"),
     ({"assume": {"supply_voltage": 5.0}}, "supply_voltage is measured: it cannot be assumed as well"),

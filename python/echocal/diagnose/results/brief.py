@@ -15,6 +15,8 @@ __all__ = ["Brief", "brief", "column_fault"]
 _SHOWN = 3  # causes in one line
 _LEAST = 1e-6  # m: no ultrasonic sensor shows less
 _MORE = 4  # digits that are tried to tell the ends of an interval apart
+_CONSTANT = "zero_error"
+_OF_A_CONSTANT = "No distance is known, so an error that is the same in all rows cannot show."
 _CERTAIN = 0.995  # a probability that two digits would round to one
 
 
@@ -60,7 +62,8 @@ def _wrong(diagnosis: Outcome) -> str:
         more = [] if diagnosis.unexplained is None else [f"Also {_follows(diagnosis.unexplained)}"]
         return " ".join([*map(_sentence, effects), *spoiled, *more])
     if diagnosis.verdict == "nothing":
-        return f"these rows show no systematic error of the base ({_base(diagnosis)})."
+        none = f"these rows show no systematic error of the base ({_base(diagnosis)})."
+        return f"{none} {_OF_A_CONSTANT}" if _CONSTANT in diagnosis.hidden else none
     if diagnosis.verdict == "named" and spoiled:
         return " ".join(spoiled)
     if diagnosis.verdict == "named":
@@ -148,6 +151,8 @@ def _gained(gain: Gain | None) -> str:
 
 
 def _next(diagnosis: Outcome) -> str:
+    if diagnosis.verdict == "nothing" and _CONSTANT in diagnosis.hidden:
+        return "measure a distance with a ruler, to see an error that is the same in all rows."
     if diagnosis.good_enough or diagnosis.verdict == "nothing":
         return "nothing to correct."
     if diagnosis.moved:

@@ -45,8 +45,8 @@ class Diagnosis(Shown, Outcome):
     Its attributes are those of `echocal.diagnose.results.outcome.Outcome`:
     ``verdict``, ``causes``, ``posterior``, ``credible_set``, ``unexplained``, ``refuted``, ``gain``,
     ``next_measurements``, ``rows``, ``base``, ``noise``, ``notes``, ``settings``, ``model``, ``traces``,
-    ``fates``, ``members``, ``seconds``, ``smooth``, ``remainder``, ``moved``, ``matters_mm``,
-    ``matters_because`` and ``good_enough``.
+    ``fates``, ``members``, ``seconds``, ``smooth``, ``remainder``, ``moved``, ``hidden``,
+    ``matters_mm``, ``matters_because`` and ``good_enough``.
 
     Examples
     --------

@@ -21,7 +21,7 @@ from echocal.observations import Observations
 from echocal.quantities import QUANTITIES
 from echocal.registry import find_effect
 
-__all__ = ["notes"]
+__all__ = ["hidden_causes", "notes"]
 
 _TENSION = 3.0  # standard uncertainties between the fitted and the theoretical size
 _SHOWN = 8  # columns, or steps of the level, that are listed
@@ -38,8 +38,7 @@ def notes(
     said = [_moved(case.moving), *observations.notes, *case.remarks]
     said += [_tension(case, cause, validation, stack) for cause in case.found.size_tangents]
     said += _temperature(validation)
-    hidden = [cause for cause, reason in case.found.skipped.items() if reason == INVISIBLE]
-    if hidden:
+    if hidden := hidden_causes(case):
         said.append(f"these data cannot show the following causes, whatever their size: {', '.join(hidden)}")
     rows = validation.gain.judged_rows
     said += list(dict.fromkeys(_refuted(refuted, rows) for refuted in validation.refuted))
@@ -71,6 +70,11 @@ def notes(
             "these data cannot separate the two"
         )
     return tuple(text for text in said if text)
+
+
+def hidden_causes(case: Case) -> tuple[str, ...]:
+    """Causes that these rows cannot show, whatever their size."""
+    return tuple(cause for cause, reason in case.found.skipped.items() if reason == INVISIBLE)
 
 
 def _moved(how: str) -> str:

@@ -68,6 +68,8 @@ class Outcome:
         What is known where the columns could lower the error by far, but nothing is claimed for it.
     moved : str
         How the target moved although its distance is stated to be the same in all rows; empty where not.
+    hidden : tuple of str
+        Causes that these rows cannot show, whatever their size.
     matters_mm : float
         The difference of a reading from which on it matters [mm].
     matters_because : str
@@ -97,6 +99,7 @@ class Outcome:
     smooth: SmoothCorrection | None = None
     remainder: Remainder | None = None
     moved: str = ""
+    hidden: tuple[str, ...] = ()
     matters_mm: float = 0.0
     matters_because: str = ""
     good_enough: bool = False

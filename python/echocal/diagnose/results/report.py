@@ -28,7 +28,7 @@ from echocal.diagnose.results.because import because
 from echocal.diagnose.results.diagnosis import Diagnosis
 from echocal.diagnose.results.fates import Fates
 from echocal.diagnose.results.level_steps import LevelStep, steps_of
-from echocal.diagnose.results.notes import notes
+from echocal.diagnose.results.notes import hidden_causes, notes
 from echocal.diagnose.selection.claims import Claim, Ranking, alternatives, parameters
 from echocal.diagnose.selection.joint import Joint
 from echocal.diagnose.selection.select import Selection
@@ -106,6 +106,7 @@ def report(
         fates=fates,
         members=members,
         moved=case.moving,
+        hidden=hidden_causes(case),
         matters_mm=1e3 * matters.difference_m,
         matters_because=matters.because,
         good_enough=matters.good_enough(word, causes, unexplained, shown),

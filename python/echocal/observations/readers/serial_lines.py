@@ -190,11 +190,13 @@ def _delimited_rests(split: Sequence[Stamped]) -> Log:
     """Numbers with separators, or one number a line, behind the times."""
     tells = (n for n, line in enumerate(split) if _delimited(line.rest) or _NUMBER.match(line.rest))
     first = next(tells, 0)
-    silent = next((n for n, line in enumerate(split[:first]) if says_no_echo(line.rest)), None)
-    named = first > 0 and silent is None and not _is_sentence(split[first - 1].rest)
-    begin = first - 1 if named else first
-    head = find_head([line.rest for line in split[begin:] if not says_no_echo(line.rest)], 0, "")
-    rows = split[begin + head.start :] if silent is None else [*split[silent:first], *split[first:]]
+    silent = [n for n in range(first) if says_no_echo(split[n].rest)]
+    before = [n for n in range(first) if n not in silent][-1:]
+    begin = first if not before or _is_sentence(split[before[0]].rest) else before[0]
+    spoken = [n for n in range(begin, len(split)) if not says_no_echo(split[n].rest)]
+    head = find_head([split[n].rest for n in spoken], 0, "")
+    names, kept = set(spoken[: head.start]), min([begin, *silent])
+    rows = [line for n, line in enumerate(split) if n >= kept and n not in names]
     log = Log([], notes=[] if not head.nameless else ["the values have no names"])
     records: list[dict[str, Any]] = []
     for line in rows:
