@@ -107,8 +107,8 @@ MUTANTS = (
     Mutant(
         "forms of a cause with equal shares of its prior",
         "candidates/effects.py",
-        "weight=v.weight / total)",
-        "weight=1.0 / len(variants))",
+        "v.weight / total)",
+        "1.0 / len(variants))",
         "test_method.py",
     ),
     # noise

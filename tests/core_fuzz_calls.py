@@ -200,6 +200,10 @@ _STEPS = ("cycles", "fewest_cycles", "instructions", "fewest_instructions")
 MEASURED = {**dict.fromkeys(_TEXTS, "x"), **dict.fromkeys(_COUNTS, 100), **dict.fromkeys(_STEPS, 50)}
 _SIDE = dict.fromkeys(("low", "span", "default", "steps", "shift", "factor", "back"), 3)
 _WHOLE = ("places", "center", "slope", "mask", "most_more", "more_scale", "most_delay", "least_apart")
+_AIR = (
+    *("amplified", "drop", "error_K", "error_codes", "error_mm", "generator", "half", "interval", "interval_ms"),
+    *("lag", "lead_drop", "lead_shift", "maximum_distance", "places", "ratio", "share", "smoothing"),
+)
 UNIT: dict[str, Any] = {
     **dict.fromkeys(("generator", "block_version", "block_bytes", "maximum_distance"), 1),
     **dict.fromkeys(("error_mm", "asked_mm"), "0.5"),
@@ -285,6 +289,7 @@ CALLS: dict[str, Callable[[], Call]] = {
     "Sums.without_infinite": of_sums("without_infinite"),
     "Firmware.files": lambda: Call(_FIRMWARE.files, [[MEASURED], STATED]),
     "Firmware.unit_files": lambda: Call(_FIRMWARE.unit_files, [json.dumps(UNIT)]),
+    "Firmware.air_files": lambda: Call(_FIRMWARE.air_files, [json.dumps(dict.fromkeys(_AIR, 3))]),
     "Firmware.filtered": lambda: Call(
         _FIRMWARE.filtered, [guard(np.arange(ROWS, dtype="i4")), guard(np.zeros(ROWS, "u1"))]
     ),

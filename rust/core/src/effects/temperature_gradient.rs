@@ -25,7 +25,7 @@ impl Effect for TemperatureGradient {
         }],
         of_distance: true,
         bends: true,
-        // even, it took the place of a comparator's time walk: docs/method/evidence.md
+        // even, it took the place of a comparator's time walk, which is as curved
         prior: 0.1,
         domain: "a gradient that is even along the path",
         check: "a second thermometer at the target, or several distances",
