@@ -201,8 +201,8 @@ MEASURED = {**dict.fromkeys(_TEXTS, "x"), **dict.fromkeys(_COUNTS, 100), **dict.
 _SIDE = dict.fromkeys(("low", "span", "default", "steps", "shift", "factor", "back"), 3)
 _WHOLE = ("places", "center", "slope", "mask", "most_more", "more_scale", "most_delay", "least_apart")
 _AIR = (
-    *("amplified", "drop", "error_K", "error_codes", "error_mm", "generator", "half", "interval", "interval_ms"),
-    *("lag", "lead_drop", "lead_shift", "maximum_distance", "places", "ratio", "share", "smoothing"),
+    *("amplified", "drop", "error_K", "error_codes", "error_mm", "generator", "half", "interval"),
+    *("interval_ms", "lag", "lead_drop", "lead_shift", "maximum_distance", "places", "ratio", "share", "smoothing"),
 )
 UNIT: dict[str, Any] = {
     **dict.fromkeys(("generator", "block_version", "block_bytes", "maximum_distance"), 1),
