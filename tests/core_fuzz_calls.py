@@ -202,7 +202,8 @@ _SIDE = dict.fromkeys(("low", "span", "default", "steps", "shift", "factor", "ba
 _WHOLE = ("places", "center", "slope", "mask", "most_more", "more_scale", "most_delay", "least_apart")
 _AIR = (
     *("amplified", "drop", "error_K", "error_codes", "error_mm", "generator", "half", "interval"),
-    *("interval_ms", "lag", "lead_drop", "lead_shift", "maximum_distance", "places", "ratio", "share", "smoothing"),
+    *("interval_ms", "lag", "lead_drop", "lead_shift", "maximum_distance", "places", "ratio", "share"),
+    "smoothing",
 )
 UNIT: dict[str, Any] = {
     **dict.fromkeys(("generator", "block_version", "block_bytes", "maximum_distance"), 1),
