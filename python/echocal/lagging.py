@@ -21,9 +21,7 @@ __all__ = ["Follower", "LagFirmware", "generate_lagging"]
 EFFECT = "temperature_lag"
 _PLACES = 16  # binary places of the smoothed code, and of the share of the gap
 _WORD = 32
-_SMOOTHING = (
-    4.0  # of a time constant of the thermometer, by default; set by hand: it amplifies a code four times
-)
+_SMOOTHING = 4.0  # times faster than the thermometer by default, and noise is so often larger; set by hand
 _SAME = 1e-9  # m; rounding of a distance in double precision is far below
 _GOLDEN = 256
 _NONE = -(2**31)
