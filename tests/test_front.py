@@ -269,6 +269,7 @@ def test_a_column_in_another_unit_is_to_be_mended_and_not_corrected(run: Run) ->
     assert (code, "unit_mixup" in said) == (0, True), said
     assert "mend the program or the table" in " ".join(said.split())
     assert "echocal correct" not in said
+    assert "factor = 1000" in " ".join(said.split())
     assert "None" not in said
 
 

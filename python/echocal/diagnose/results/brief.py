@@ -112,7 +112,8 @@ def _sentence(cause: Cause) -> str:
 def _size(diagnosis: Outcome) -> str:
     gain, sizes = diagnosis.gain, []
     for cause in [*_named(diagnosis), *_spoiling(diagnosis)]:
-        fitted = [p for p in cause.parameters if p.unit != "1" or p.standard_uncertainty]
+        fixed = cause.kind == "effect"  # its size is in its name; that of a fault, as a factor, is not
+        fitted = [p for p in cause.parameters if p.unit != "1" or p.standard_uncertainty or not fixed]
         known = [p for p in fitted if p.unit != "1"] or fitted
         sizes += [parameter_text(p.name, p.value, p.standard_uncertainty, p.unit) for p in known[:1]]
     error = [_error(gain)] if gain is not None and gain.held_out_rows else []
