@@ -141,8 +141,7 @@ def codes_of(name: str, kind: type[Codes], request: Any) -> Codes:
     except (TypeError, ValueError):
         pass
     order = ", ".join(field.name for field in fields(kind))
-    message = f"{name} is {request!r}; give {kind.__name__}({order}), or the numbers as a tuple"
-    raise UsageError(message)
+    raise UsageError(f"{name} is {request!r}; give {kind.__name__}({order}), or the numbers as a tuple")
 
 
 def numbers(
@@ -195,8 +194,7 @@ def count(name: str, value: float, most: int, *, least: int | None = None) -> in
     """
     whole = isinstance(value, Real) and not isinstance(value, bool) and float(value).is_integer()
     if not whole or abs(value) > most or (least is not None and value < least):
-        message = f"{name} is {value!r}; give a whole number" + (
-            "" if least is None else f" of {least} .. {most}"
+        raise UsageError(
+            f"{name} is {value!r}; give a whole number" + ("" if least is None else f" of {least} .. {most}")
         )
-        raise UsageError(message)
     return int(value)

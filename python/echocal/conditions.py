@@ -16,8 +16,7 @@ def refuse_unknown(names: Iterable[str]) -> None:
     """Raise `UsageError` where a name is none of an influence quantity."""
     for name in names:
         if name not in QUANTITIES:
-            message = f"unknown influence quantity '{name}'{among(name, QUANTITIES, 'known:')}"
-            raise UsageError(message)
+            raise UsageError(f"unknown influence quantity '{name}'{among(name, QUANTITIES, 'known:')}")
 
 
 def unmasked(given: Any) -> NDArray[Any]:
@@ -64,8 +63,7 @@ def columns(
         shape = np.broadcast_shapes(*(value.shape for value in values))
     except ValueError:
         shapes = ", ".join(f"{name} {np.shape(value)}" for name, value in given.items())
-        message = f"shapes do not broadcast: first argument {values[0].shape}, {shapes}"
-        raise UsageError(message) from None
+        raise UsageError(f"shapes do not broadcast: first argument {values[0].shape}, {shapes}") from None
     whole = (value if value.shape == shape else np.full(shape, value) for value in values)
     return shape, [np.ascontiguousarray(column).reshape(-1) for column in whole]
 
@@ -77,12 +75,10 @@ def numbers(name: str, given: ArrayLike) -> NDArray[np.float64]:
     try:
         values = unmasked(given)
     except ValueError as error:  # rows of several lengths
-        message = f"{name} is no array of numbers: {error}"
-        raise UsageError(message) from None
+        raise UsageError(f"{name} is no array of numbers: {error}") from None
     try:
         if values.dtype.kind not in "biufO":  # NumPy would take a date for a number
             raise TypeError
         return values.astype(np.float64, copy=False)
     except (TypeError, ValueError, OverflowError):
-        message = f"{name} must be real numbers, but has dtype {values.dtype}"
-        raise UsageError(message) from None
+        raise UsageError(f"{name} must be real numbers, but has dtype {values.dtype}") from None

@@ -80,8 +80,7 @@ def accepted(model: _core.Model, request: Mapping[str, Any], echo: Echo) -> Acce
     asked = _asked(echo)
     tick, shortest, longest, bits = float(asked.lsb), asked.shortest, asked.longest, int(asked.bits)
     if asked.bits not in _BITS:
-        message = f"{keyword('bits', asked.bits)}: a timer has 16 or 32 bits in this version"
-        raise UsageError(message)
+        raise UsageError(f"{keyword('bits', asked.bits)}: a timer has 16 or 32 bits in this version")
     if not (math.isfinite(tick) and tick > 0):
         return Accepted(tick, 0.0, LONGEST_US)
     if shortest is not None and longest is not None:
@@ -96,8 +95,9 @@ def accepted(model: _core.Model, request: Mapping[str, Any], echo: Echo) -> Acce
         return Accepted(tick, first, most, bits)
     last, cut = _last([time * 1e6 for time in latest], (tick, bits), most, distances)
     if last <= first:
-        message = _too_late(first, last, cut) if shortest is not None else _no_room(tick, distances[1], cut)
-        raise UsageError(message)
+        raise UsageError(
+            _too_late(first, last, cut) if shortest is not None else _no_room(tick, distances[1], cut)
+        )
     return Accepted(tick, first, last, bits, cut)
 
 
@@ -114,11 +114,10 @@ def _most(tick: float, bits: int) -> float:
     """Return the longest default echo time [us]: a code of the timer."""
     code = min(_CODES[bits], math.floor(LONGEST_US / tick + _SLACK))
     if code < 1:
-        message = (
+        raise UsageError(
             f"a tick of {tick:g} us is longer than any echo, {LONGEST_US:g} us: give a finer one "
             f"({keyword('lsb')})"
         )
-        raise UsageError(message)
     return tick * code
 
 

@@ -126,11 +126,9 @@ class Object:
         except EchocalError:
             raise
         except FileNotFoundError:
-            message = f"no file {self.url}"
-            raise DataError(message) from None
+            raise DataError(f"no file {self.url}") from None
         except Exception as error:  # of the store: no rights, no network, ...
-            message = f"{self.url} cannot be read: {error}"
-            raise DataError(message) from None
+            raise DataError(f"{self.url} cannot be read: {error}") from None
 
     @contextmanager
     def _writing(self) -> Iterator[None]:
@@ -139,8 +137,7 @@ class Object:
         except EchocalError:
             raise
         except Exception as error:
-            message = f"{self.url} cannot be written: {error}"
-            raise OutputError(message) from None
+            raise OutputError(f"{self.url} cannot be written: {error}") from None
 
 
 def _stamp(facts: Mapping[str, Any]) -> dict[str, Any]:
@@ -155,9 +152,7 @@ def _files(url: str) -> tuple[Any, str]:
 
         files, path = url_to_fs(url, use_listings_cache=False)
     except ImportError as error:
-        message = f"{url} needs a library: {error}; pip install 'echocal[s3]' for s3://"
-        raise UsageError(message) from None
+        raise UsageError(f"{url} needs a library: {error}; pip install 'echocal[s3]' for s3://") from None
     except ValueError as error:
-        message = f"{url} cannot be used: {error}"
-        raise UsageError(message) from None
+        raise UsageError(f"{url} cannot be used: {error}") from None
     return files, path

@@ -161,8 +161,7 @@ def write_table(table: Any, path: Path) -> None:
         with replacing(path) as unfinished:
             table.to_parquet(unfinished, index=False)
     except ImportError:
-        message = "Parquet needs pyarrow: pip install 'echocal[batch]'"
-        raise UsageError(message) from None
+        raise UsageError("Parquet needs pyarrow: pip install 'echocal[batch]'") from None
 
 
 def replace_all(folder: Path, texts: Mapping[str, str]) -> list[Path]:
@@ -194,8 +193,7 @@ def refuse_name(path: Path) -> None:
     except UnicodeEncodeError:
         possible = False
     if not possible:
-        message = f"{str(path)!r} cannot be written: no file can have this name"
-        raise UsageError(message)
+        raise UsageError(f"{str(path)!r} cannot be written: no file can have this name")
 
 
 def _keep(file: Path) -> None:

@@ -27,14 +27,11 @@ def stamp(place: Place) -> dict[str, Any]:
     try:
         facts = place.stat()
     except FileNotFoundError:
-        message = f"no file {place}"
-        raise DataError(message) from None
+        raise DataError(f"no file {place}") from None
     except OSError as error:
-        message = f"{place} cannot be read: {error.strerror or error}"
-        raise DataError(message) from None
+        raise DataError(f"{place} cannot be read: {error.strerror or error}") from None
     except ValueError as error:  # a NUL byte, a lone surrogate
-        message = f"{str(place)!r} cannot be the name of a file: {error}"
-        raise DataError(message) from None
+        raise DataError(f"{str(place)!r} cannot be the name of a file: {error}") from None
     return {"size": facts.st_size, "mtime_ns": facts.st_mtime_ns}
 
 

@@ -35,11 +35,10 @@ def thermometer(
     if ntc is None:
         return _temperature_codes(sensor, lsb, codes, zero, shift)
     if sensor is not None or _given(lsb, zero, shift):
-        message = (
+        raise UsageError(
             "--ntc states the codes of the thermometer: leave out --sensor, --temperature-lsb, "
             "--temperature-zero and --temperature-shift"
         )
-        raise UsageError(message)
     return thermistor_of(ntc, *_range("--temperature-range", codes or "-20:60", "-20:60"))
 
 
@@ -53,8 +52,7 @@ def humidity_codes(
         if codes is None and not given:
             return None
         option = "--humidity-range" if codes is not None else f"--humidity-{min(given)}"
-        message = f"{option} needs --humidity-lsb, the step of one humidity code"
-        raise UsageError(message)
+        raise UsageError(f"{option} needs --humidity-lsb, the step of one humidity code")
     usual = usual or HumidityCodes()
     _refuse_mixed("humidity", usual, lsb, zero, shift)
     found = replace(usual, **given)
@@ -77,11 +75,10 @@ def _refuse_mixed(
     kept = {"zero": usual.zero if zero is None else 0, "shift": usual.shift if shift is None else 0}
     if own := {f"--{name}-{what}": value for what, value in kept.items() if value}:
         told = " and ".join(f"{flag} {value:g}" for flag, value in own.items())
-        message = (
+        raise UsageError(
             f"--{name}-lsb {lsb:g} replaces the sensor's step {usual.lsb:g}, and {told} of the sensor would "
             f"stay: give {' and '.join(own)}, too, or leave out --{name}-lsb or --sensor"
         )
-        raise UsageError(message)
 
 
 def _given(lsb: float | None, zero: float | None, shift: int | None) -> dict[str, float]:
@@ -94,5 +91,4 @@ def _range(name: str, text: str, example: str) -> tuple[float, float]:
     try:
         return float(low), float(high if separator else "missing")
     except ValueError:
-        message = f"{name} is '{text}': give LOW:HIGH, as in {name}={example}"
-        raise UsageError(message) from None
+        raise UsageError(f"{name} is '{text}': give LOW:HIGH, as in {name}={example}") from None

@@ -102,8 +102,9 @@ def command(
     name = "stdin" if str(log) == "-" else log.name.removesuffix(".gz").rpartition(".")[0] or log.name
     source = from_stdin(log)
     if source.is_dir():
-        message = f"{log} is a folder: {command_line('diagnose', log, by='COLUMN', out='verdicts.csv')}"
-        raise UsageError(message)
+        raise UsageError(
+            f"{log} is a folder: {command_line('diagnose', log, by='COLUMN', out='verdicts.csv')}"
+        )
     page, model, toml = (out / f"{name}-{what}" for what in ("report.html", "model.json", "options.toml"))
     check_outputs(
         Output("--out", page, _made_by.report("diagnose", log)),
@@ -201,8 +202,7 @@ def _settled(log: Path, known: _Answers, yes: bool, console: Console) -> Inspect
         names = [column.name for column in found.columns]
         hints = [misspelled(one.quantity, names) for one in open_ if one.quantity]
         hint = next((one for one in hints if "did you mean" in one), "")
-        message = f"{log.name} does not say, and nobody is at the terminal to ask: {flags}{hint}"
-        raise DataError(message)
+        raise DataError(f"{log.name} does not say, and nobody is at the terminal to ask: {flags}{hint}")
     return inspect_log(log, known.reading)
 
 
@@ -279,18 +279,16 @@ def _refuse_answer(distance: str) -> None:
     try:
         given = float(distance)
     except ValueError:
-        message = (
+        raise UsageError(
             f"'{distance}' is no distance: type a number of meters such as 1.2, or moved, or press Enter"
-        )
-        raise UsageError(message) from None
+        ) from None
     refuse_distance(given)
 
 
 def _ask_distance(known: _Answers) -> None:
     text = _asked("distance [m]", _refuse_answer, "")
     if text == _MOVED:
-        message = "a target that moves needs its distance in a column: --column NAME=distance_m"
-        raise DataError(message)
+        raise DataError("a target that moves needs its distance in a column: --column NAME=distance_m")
     known.reference_distance = float(text) if text else None
     known.constant_distance = not text
 

@@ -52,8 +52,7 @@ def model_of(law: str | None, path: Path | None, effects: Sequence[str] | None) 
     if path is None:
         return Model(law or "cramer", dict(_effect(text) for text in effects or ()))
     if law is not None or effects:
-        message = "give a model file or a law with effects, not both"
-        raise UsageError(message)
+        raise UsageError("give a model file or a law with effects, not both")
     return Model.load(path)
 
 
@@ -76,5 +75,6 @@ def _effect(text: str) -> tuple[str, dict[str, float]]:
         pairs = (pair.split("=") for pair in parameters.split(",") if pair)
         return id_, {name.strip(): float(value) for name, value in pairs}
     except ValueError:
-        message = f'--effect "{text}" is not of the form ID:NAME=VALUE,...; e.g. "fixed_delay:delay=30e-6"'
-        raise UsageError(message) from None
+        raise UsageError(
+            f'--effect "{text}" is not of the form ID:NAME=VALUE,...; e.g. "fixed_delay:delay=30e-6"'
+        ) from None

@@ -84,8 +84,7 @@ def refuse_others(used: Iterable[str], but: str) -> None:
     """
     useless = sorted(map(keyword, _stated.get() - {*used}))
     if useless:
-        message = f"{', '.join(useless)} would do nothing: {but}"
-        raise UsageError(message)
+        raise UsageError(f"{', '.join(useless)} would do nothing: {but}")
 
 
 def refuse_useless(context: typer.Context) -> None:
@@ -101,11 +100,10 @@ def refuse_useless(context: typer.Context) -> None:
     _stated.set(frozenset(n for n, own in sources.items() if own is not None and own.name in _BY_USER))
     for name, other in _NEEDS.items():
         if name in flags and other in flags and stated(name) and context.params.get(other) is None:
-            message = (
+            raise UsageError(
                 f"{flags[name]} {context.params[name]} does nothing without {flags[other]}: give it, too, or "
                 f"leave {flags[name]} out"
             )
-            raise UsageError(message)
 
 
 def file_in_use() -> Path | None:
@@ -171,17 +169,16 @@ def _read(path: Path) -> dict[str, Any]:
     try:
         given = tomllib.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
-        message = f"options file {path} cannot be read: {error.strerror}"
-        raise UsageError(message) from None
+        raise UsageError(f"options file {path} cannot be read: {error.strerror}") from None
     except ValueError as error:
-        message = f"options file {path} is not TOML: {error}"
-        raise UsageError(message) from None
+        raise UsageError(f"options file {path} is not TOML: {error}") from None
     values: dict[str, Any] = {}
     for name, value in given.items():
         option = name.replace("_", "-")
         if option not in KNOWN:
-            message = f"options file {path}: unknown option '{name}'; there are {', '.join(sorted(KNOWN))}"
-            raise UsageError(message)
+            raise UsageError(
+                f"options file {path}: unknown option '{name}'; there are {', '.join(sorted(KNOWN))}"
+            )
         values[option] = _plain(path, option, value)
     return values
 
@@ -197,6 +194,5 @@ def _plain(path: Path, option: str, value: Any) -> Any:
     if option in (*_PAIRS, "trust"):
         return [str(own) for own in (value if isinstance(value, list) else [value])]
     if isinstance(value, dict | list):
-        message = f"options file {path}: '{option}' takes one value"
-        raise UsageError(message)
+        raise UsageError(f"options file {path}: '{option}' takes one value")
     return value

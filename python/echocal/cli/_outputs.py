@@ -133,8 +133,7 @@ def check_outputs(
         _refuse_input(output.option, file, inputs)
         first = seen.setdefault(os.path.realpath(file), output.option)
         if first != output.option:
-            message = f"{first} and {output.option} both name {file}; choose two names"
-            raise UsageError(message)
+            raise UsageError(f"{first} and {output.option} both name {file}; choose two names")
     if not force:
         for output, file in files:
             if file.is_file() and file.stat().st_size > 0 and not output.recognize(file):
@@ -190,11 +189,10 @@ def made_in(folder: Path | None, option: str, names: Iterable[str], recognize: R
 
 
 def _refuse_replacing(option: str, file: Path) -> None:
-    message = (
+    raise UsageError(
         f"{option} {file} exists, and this command did not make it from this input, or somebody has edited "
         "it since: choose another name, or replace it with --force"
     )
-    raise UsageError(message)
 
 
 def refuse_picture(path: Path | None) -> None:
@@ -207,15 +205,13 @@ def refuse_picture(path: Path | None) -> None:
     """
     if path is not None and path.suffix.lower() not in (".png", ".svg", ".pdf"):
         told = f"the ending '{path.suffix}'" if path.suffix else "no ending"
-        message = f"{path} has {told}; a plot is .png, .svg or .pdf"
-        raise UsageError(message)
+        raise UsageError(f"{path} has {told}; a plot is .png, .svg or .pdf")
 
 
 def _refuse_pages(outputs: Iterable[Output]) -> None:
     for path in (Path(o.path) for o in outputs if o.option == "--report" and o.path is not None):
         if path.suffix.lower() not in (".html", ".htm"):
-            message = f"--report {path} is a page for a browser; give a name that ends in .html"
-            raise UsageError(message)
+            raise UsageError(f"--report {path} is a page for a browser; give a name that ends in .html")
 
 
 def pass_on(text: str, target: Path | str | None) -> None:
@@ -232,8 +228,7 @@ def _refuse_input(option: str, file: Path, inputs: Iterable[Path | str | None]) 
     for source in (Path(path) for path in inputs if path is not None):
         if _is_part(file, source):
             named = f"{source}" if str(source) == str(file) else f"{source}, by another name"
-            message = f"{option} {file} is an input of this command ({named}); choose another name"
-            raise UsageError(message)
+            raise UsageError(f"{option} {file} is an input of this command ({named}); choose another name")
 
 
 def _is_part(file: Path, source: Path) -> bool:
@@ -276,8 +271,7 @@ def _nearest(folder: Path) -> Path:
 
 
 def _refuse(path: Path, reason: str) -> None:
-    message = f"{path} cannot be written: {reason}"
-    raise UsageError(message)
+    raise UsageError(f"{path} cannot be written: {reason}")
 
 
 def write_report(path: Path, page: Callable[[Any, str, str], str], result: Any, heading: str) -> None:

@@ -52,8 +52,7 @@ class Blocks:
 def run(asked: Blocks, out: Path, report: str | None, console: Console, *, force: bool, quiet: bool) -> None:
     """Write one block, or a folder of blocks, and say so."""
     if asked.unit is not None and asked.units is not None:
-        message = "--unit-data writes one block, --units a folder of them: give one of both"
-        raise UsageError(message)
+        raise UsageError("--unit-data writes one block, --units a folder of them: give one of both")
     refuse_others(
         _USED if asked.units is None else _USED - {"force"},
         "--unit-data and --units write blocks, and no function. Leave these options out, or give them in a "
@@ -66,10 +65,9 @@ def run(asked: Blocks, out: Path, report: str | None, console: Console, *, force
         found = _many(asked, model, out, console, quiet=quiet)
     pass_on(json.dumps({"schema": _SCHEMA, **found}, indent=2) + "\n", report)
     if found["refused"]:
-        message = (
+        raise DataError(
             f"{len(found['refused'])} of {found['units']} units were refused; {out / TABLE} has each reason"
         )
-        raise DataError(message)
 
 
 def _one(
@@ -81,8 +79,7 @@ def _one(
     box = _box(model, unit, asked.per_unit)
     found = number_of(file) if asked.number is None else asked.number
     if found is None:
-        message = f"{file.name}: its name does not end in the number of the unit: give --unit-number"
-        raise DataError(message)
+        raise DataError(f"{file.name}: its name does not end in the number of the unit: give --unit-number")
     block = block_of(unit, found, box, model, file.name)
     with replacing(out) as unfinished:
         unfinished.write_bytes(block.to_bytes())

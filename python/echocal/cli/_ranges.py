@@ -14,10 +14,9 @@ def parsed_ranges(texts: Iterable[str]) -> dict[str, tuple[float, float]]:
         name, ends = _parsed(text)
         if name in ranges:
             low, high = ranges[name]
-            message = (
+            raise UsageError(
                 f"--can-vary gives {name} twice: {low:g}:{high:g} and {ends[0]:g}:{ends[1]:g}; give one range"
             )
-            raise UsageError(message)
         ranges[name] = ends
     return ranges
 
@@ -31,5 +30,4 @@ def _parsed(text: str) -> tuple[str, tuple[float, float]]:
             return name, (float(low), float(high))
     except ValueError:
         pass
-    message = f"--can-vary '{text}' is not a range such as distance=0.2:4"
-    raise UsageError(message)
+    raise UsageError(f"--can-vary '{text}' is not a range such as distance=0.2:4")

@@ -99,8 +99,7 @@ def refuse_options(given: Mapping[str, object], *, is_fleet: bool) -> None:
     there, instead = ("this is a fleet", _OF_A_FLEET) if is_fleet else ("several are given", _OF_TABLES)
     for option, value in given.items():
         if value:
-            message = f"{option} is for one table, and {there}; {instead[option]}"
-            raise UsageError(message)
+            raise UsageError(f"{option} is for one table, and {there}; {instead[option]}")
 
 
 def diagnose_sensors(
@@ -166,17 +165,15 @@ def diagnose_sensors(
         print_fleet(fleet.summary, Console())
     if fleet.failed:
         first = next(row for row in fleet.rows if row["verdict"] == "failed")
-        message = (
+        raise DataError(
             f"{fleet.failed} of {len(fleet.rows)} sensors could not be diagnosed, the others were; "
             f"the first: {first['sensor']}: {first['reason']}"
         )
-        raise DataError(message)
 
 
 def _check(inputs: Sequence[Path], used: Sequence[str | None], outputs: Outputs, force: bool) -> None:
     if outputs.table is not None and outputs.table.suffix.lower() not in {".parquet", ".csv"}:
-        message = f"--output {outputs.table} must end in .parquet or .csv"
-        raise UsageError(message)
+        raise UsageError(f"--output {outputs.table} must end in .parquet or .csv")
     every = [*inputs, *used]
     check_outputs(
         Output("--output", outputs.table, _made_by.verdicts()),
@@ -217,8 +214,9 @@ def diagnose_tables(
     from echocal.report.several import print_pooled
 
     if by is not None and len(tables) > 1:
-        message = f"--by divides one table, and {len(tables)} are given; give one table, or leave --by out"
-        raise UsageError(message)
+        raise UsageError(
+            f"--by divides one table, and {len(tables)} are given; give one table, or leave --by out"
+        )
     sources = sources_of(tables if by is None else tables[0], by, reading)
     origin = dict.fromkeys(sources.tables, tables[0])
     if by is None:

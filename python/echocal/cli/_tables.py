@@ -142,8 +142,7 @@ def column_requests(texts: Sequence[str] | None) -> dict[str, str]:
         elif text.endswith(".toml"):
             requests |= read_columns(text)
         else:
-            message = f'--column "{text}" is neither a pair ("SR_U=reading_m") nor a TOML file'
-            raise UsageError(message)
+            raise UsageError(f'--column "{text}" is neither a pair ("SR_U=reading_m") nor a TOML file')
     return requests
 
 
@@ -167,8 +166,7 @@ def conditions(texts: Sequence[str] | None) -> dict[str, str]:
     for text in texts or ():
         name, equals, value = text.partition("=")
         if not equals:
-            message = f'--at "{text}" is no pair; like --at temperature=20+-2'
-            raise UsageError(message)
+            raise UsageError(f'--at "{text}" is no pair; like --at temperature=20+-2')
         found[name.strip()] = value
     return found
 

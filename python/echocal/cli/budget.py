@@ -79,10 +79,9 @@ def command(
     with noted(quiet):
         if data is not None:
             if distance or temperature or grid:
-                message = (
+                raise UsageError(
                     "--distance, --temperature and --grid make a grid, and a table is given; leave them out"
                 )
-                raise UsageError(message)
             reading = read_for(corrects, reading)
             given: dict[str, Any] = {"observations": read(data, quiet, reading)}
         else:
@@ -108,6 +107,5 @@ def _shown(found: Budget, row: int | None) -> int:
     if row is None:
         return int(np.nanargmax(found.expanded_uncertainty))
     if row > len(found.distance) or not np.isfinite(found.distance[row - 1]):
-        message = f"--row {row}: there are {len(found.distance)} rows, and the row needs a distance"
-        raise UsageError(message)
+        raise UsageError(f"--row {row}: there are {len(found.distance)} rows, and the row needs a distance")
     return row - 1

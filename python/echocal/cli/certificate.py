@@ -47,8 +47,7 @@ def command(
         force=force,
     )
     if not mpe_mm > 0.0:
-        message = f"--mpe-mm {mpe_mm:g}: the maximum permissible error must be a positive length"
-        raise UsageError(message)
+        raise UsageError(f"--mpe-mm {mpe_mm:g}: the maximum permissible error must be a positive length")
     with noted(quiet):
         own = Model.load(model)
         reading = read_for(own, reading)

@@ -149,8 +149,7 @@ def command(
         _print(summary, files)
     if summary.set_aside:
         shown = "; ".join(list(summary.set_aside.values())[:3])
-        message = f"{len(summary.set_aside)} of {len(files)} files were set aside: {shown}"
-        raise DataError(message)
+        raise DataError(f"{len(summary.set_aside)} of {len(files)} files were set aside: {shown}")
 
 
 def _made(inputs: Inputs, out: Place) -> list[Output]:
@@ -178,8 +177,7 @@ def _refuse_replacing(inputs: Inputs, out: Object) -> None:
     for source in inputs.files:
         coming = out if inputs.single else out / source.place
         if coming.exists():
-            message = f"--out {coming} exists: choose another name, or replace it with --force"
-            raise UsageError(message)
+            raise UsageError(f"--out {coming} exists: choose another name, or replace it with --force")
 
 
 def _of_model(correction: Model | None) -> list[str]:

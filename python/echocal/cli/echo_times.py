@@ -110,8 +110,7 @@ def command(
 
 def _refuse_ending(out: Path | None) -> None:
     if out is not None and out.suffix.lower() not in (".csv", ".parquet"):
-        message = f"cannot write '{out.suffix}' ({out}); endings: .csv, .parquet"
-        raise UsageError(message)
+        raise UsageError(f"cannot write '{out.suffix}' ({out}); endings: .csv, .parquet")
 
 
 def _template(given: str | None, rate: float) -> Any:

@@ -149,11 +149,9 @@ def _refuse(
         force=force,
     )
     if out is not None and out.suffix.lower() != ".csv":
-        message = f"--out {out}: the table is written as .csv"
-        raise UsageError(message)
+        raise UsageError(f"--out {out}: the table is written as .csv")
     if model is not None and sketch is not None:
-        message = "give --sketch or --model, not both"
-        raise UsageError(message)
+        raise UsageError("give --sketch or --model, not both")
 
 
 def _parts(found: Emulation, model: Model | None) -> dict[str, dict[str, float]]:
@@ -171,8 +169,7 @@ def _plot(found: Emulation, path: Path, row: int, seed: int | None) -> None:
 
     inputs = found.inputs
     if inputs.distance is None:
-        message = "--waveform needs the distance of the target: the table has echo times only"
-        raise UsageError(message)
+        raise UsageError("--waveform needs the distance of the target: the table has echo times only")
     scene = scene_of(inputs.distance, inputs.temperature, inputs.relative_humidity, inputs.pressure)
     save_figure(waveform_figure(scene, row=row, seed=seed or 0), path, "emulate")
 

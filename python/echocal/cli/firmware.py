@@ -196,8 +196,7 @@ def command(
         _per_unit.run(asked, out, json, console, force=force, quiet=quiet)
         return
     if model is None:
-        message = "firmware needs a model: give MODEL.json"
-        raise UsageError(message)
+        raise UsageError("firmware needs a model: give MODEL.json")
     if explore:
         filtered = median is not None or gate_mm is not None
         single = bool(measure or uncertainties or per_unit or filtered or lag_interval or lag_smoothing)
@@ -261,12 +260,11 @@ def _refuse_one(
 ) -> None:
     """Refuse options of a single function together with --explore."""
     if prefer or form or measure or package != "c" or name != "echocal" or page is not None:
-        message = (
+        raise UsageError(
             "--explore tries every form, for size and for speed, and writes no package: leave out --prefer, "
             "--form, --measure, --uncertainty, --per-unit, --median, --gate-mm, --lag-interval-s, "
             "--lag-smoothing-s, --package, --name and --report"
         )
-        raise UsageError(message)
 
 
 @contextmanager
@@ -330,5 +328,6 @@ def _assignment(text: str) -> tuple[str, float]:
     try:
         return name, float(value)
     except ValueError:
-        message = f"--assume is '{text}': give NAME=VALUE, such as --assume relative_humidity=0.5"
-        raise UsageError(message) from None
+        raise UsageError(
+            f"--assume is '{text}': give NAME=VALUE, such as --assume relative_humidity=0.5"
+        ) from None

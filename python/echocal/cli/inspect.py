@@ -56,8 +56,7 @@ def command(
         force=force,
     )
     if write is not None and write.suffix.lower() != ".csv":
-        message = f"--write {write} must end in .csv"
-        raise UsageError(message)
+        raise UsageError(f"--write {write} must end in .csv")
     name = log
     found = inspect_log(from_stdin(log), reading)
     stated = {name: value for name, value in reading.given().items() if name not in {"columns", "missing"}}

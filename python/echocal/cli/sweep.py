@@ -78,12 +78,10 @@ def _ranges(si: dict[str, str | None], named: list[str]) -> dict[str, Range]:
     ranges: dict[str, Range] = {name: parse(name, text) for name, text in si.items() if text is not None}
     for name, values in map(parse_named, named):
         if name in ranges:
-            message = f"{name.replace('_', ' ')} is given twice; give it once"
-            raise UsageError(message)
+            raise UsageError(f"{name.replace('_', ' ')} is given twice; give it once")
         ranges[name] = values
     if "temperature" not in ranges:
-        message = "sweep needs a temperature: --temperature 0:50:2"
-        raise UsageError(message)
+        raise UsageError("sweep needs a temperature: --temperature 0:50:2")
     return ranges
 
 
@@ -92,8 +90,7 @@ def _plot(grid: xr.Dataset, path: Path) -> None:
     from echocal.plots.sweep import sweep_figure
 
     if not grid.sizes:
-        message = "a single point makes no plot; give a range, such as --temperature 0:50:2"
-        raise UsageError(message)
+        raise UsageError("a single point makes no plot; give a range, such as --temperature 0:50:2")
     save_figure(sweep_figure(grid), path, "sweep")
 
 
@@ -102,8 +99,7 @@ def _refuse_plot(path: Path) -> None:
 
     if path.suffix.lower().removeprefix(".") not in FigureCanvasBase.get_supported_filetypes():
         told = f"the ending '{path.suffix}'" if path.suffix else "no ending"
-        message = f"{path} has {told}; a plot is .png, .svg or .pdf"
-        raise UsageError(message)
+        raise UsageError(f"{path} has {told}; a plot is .png, .svg or .pdf")
 
 
 def _summarize(grid: xr.Dataset) -> None:

@@ -69,13 +69,13 @@ def command(
     )
     bound = maximum_permissible_error_mm * 1e-3
     if not bound > 0.0:
-        message = f"the maximum permissible error must be a positive length [mm], got {1e3 * bound:g}"
-        raise UsageError(message)
+        raise UsageError(f"the maximum permissible error must be a positive length [mm], got {1e3 * bound:g}")
     with noted(quiet):
         if subject.suffix == ".json":
             if uncertainties:
-                message = "--uncertainty belongs to measured errors; a simulated device has none to measure"
-                raise UsageError(message)
+                raise UsageError(
+                    "--uncertainty belongs to measured errors; a simulated device has none to measure"
+                )
             ranges = {
                 name: parse(name, text)
                 for name, text in (("temperature", temperature), ("distance", distance))

@@ -221,8 +221,7 @@ def _refuse_same(*named: tuple[str, Any]) -> None:
             continue
         first = seen.setdefault(Path(str(path)).resolve(), option)
         if first != option:
-            message = f"{first} and {option} both name {path}; choose two names"
-            raise UsageError(message)
+            raise UsageError(f"{first} and {option} both name {path}; choose two names")
 
 
 def _refuse_contradictions(
@@ -235,8 +234,7 @@ def _refuse_contradictions(
     if out == "-" and json == "-":
         raise UsageError("-o - and --json - both write to stdout: give one of them a file")
     if out not in {None, "-"} and Path(str(out)).suffix.lower() not in {".csv", ".jsonl", ".ndjson"}:
-        message = f"cannot write {out} as rows come; endings: .csv, .jsonl, .ndjson"
-        raise UsageError(message)
+        raise UsageError(f"cannot write {out} as rows come; endings: .csv, .jsonl, .ndjson")
 
 
 def _check_files(
@@ -257,8 +255,7 @@ def _check_files(
     for option, path in outputs.items():
         inside = path not in {None, "-"} and file is not None and file.is_dir()
         if inside and file is not None and file.resolve() in Path(str(path)).resolve().parents:
-            message = f"{option} {path} lies in the folder that is watched; choose another place"
-            raise UsageError(message)
+            raise UsageError(f"{option} {path} lies in the folder that is watched; choose another place")
 
 
 def _source(source: str, kept: State, poll: float, client: str, layout: Layout, *, once: bool) -> Source:

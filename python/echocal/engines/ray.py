@@ -42,10 +42,9 @@ class _Ray:
                 except ray.exceptions.RayTaskError as error:
                     raise error.cause from None
                 except ray.exceptions.RayError as error:
-                    message = (
+                    raise UsageError(
                         f"{self.name} is gone ({error}); what is complete stays: run again when it is back"
-                    )
-                    raise UsageError(message) from None
+                    ) from None
                 yield task, result
 
     def ask(self, question: Callable[..., Any], *given: Any) -> dict[str, Any]:
@@ -101,6 +100,5 @@ def _ray() -> Any:
     try:
         import ray
     except ImportError:
-        message = "Ray is not installed; pip install 'echocal[ray]'"
-        raise UsageError(message) from None
+        raise UsageError("Ray is not installed; pip install 'echocal[ray]'") from None
     return ray

@@ -225,5 +225,4 @@ def _other(version: Any) -> str:
 def _refuse(engine: Engine, wrong: Mapping[str, str], advice: str) -> None:
     shown = "; ".join(f"worker {worker} {what}" for worker, what in list(wrong.items())[:_SHOWN])
     more = f"; and {len(wrong) - _SHOWN} more" if len(wrong) > _SHOWN else ""
-    message = f"{engine.name}: {shown}{more}. Nothing was begun: {advice}"
-    raise UsageError(message)
+    raise UsageError(f"{engine.name}: {shown}{more}. Nothing was begun: {advice}")

@@ -341,6 +341,5 @@ class Assembly:
             return
         listed = ", ".join(f"{count} {reason}" for reason, count in sorted(given.items()) if count)
         if total == len(self.table) and EVERYTHING not in self.trusted:
-            message = f"no row can be used: {listed}. {'; '.join(self.notes)}"
-            raise DataError(message)
+            raise DataError(f"no row can be used: {listed}. {'; '.join(self.notes)}")
         self.notes.append(f"{total} of {rows(len(self.table))} cannot be used: {listed}")

@@ -42,14 +42,14 @@ def parsed(texts: Mapping[str, Any]) -> dict[str, tuple[str, float, float]]:
         column = ALSO.get(name, name)
         if column not in NAMES or NAMES[column][0].quantity not in QUANTITIES:
             known = [*ALSO, *(own for own, (form, _) in NAMES.items() if form.quantity in QUANTITIES)]
-            message = f"{keyword('at', {name: given})}: no such condition{among(name, known, 'there are')}"
-            raise UsageError(message)
+            raise UsageError(
+                f"{keyword('at', {name: given})}: no such condition{among(name, known, 'there are')}"
+            )
         match = _VALUE.fullmatch(str(given))
         if match is None:
-            message = (
+            raise UsageError(
                 f"{keyword('at', {name: given})}: not a number; give a value, or with its uncertainty: 20+-2"
             )
-            raise UsageError(message)
         found[NAMES[column][0].quantity] = (column, float(match["value"]), float(match["u"] or 0.0))
     return found
 
@@ -65,16 +65,14 @@ def conditions_at(given: Mapping[str, Any] | None, table: pd.DataFrame) -> dict[
         for name in table.columns:
             if name in NAMES and (found := by_name(name)) and found[0].quantity == quantity:
                 one = keyword("at", {quantity: value})
-                message = f"{one}: the table has it in column '{name}'; leave one out"
-                raise UsageError(message)
+                raise UsageError(f"{one}: the table has it in column '{name}'; leave one out")
         low, high = form.physical
         unit = form.units[symbol]
         if not low <= unit.to_si(value) <= high:
-            message = (
+            raise UsageError(
                 f"{keyword('at', {quantity: value})} is outside of {unit.from_si(low):g} to "
                 f"{unit.from_si(high):g}"
             )
-            raise UsageError(message)
         table[column] = value
         stated[quantity] = (unit.to_si(value), unit.to_si(value + uncertainty) - unit.to_si(value))
     return stated

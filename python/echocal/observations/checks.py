@@ -47,11 +47,10 @@ def refuse_without_values(values: Column, source: Assignment, trusted: Collectio
     if EVERYTHING in trusted and source.form.quantity in QUANTITIES and len(values):
         return
     if not len(values) or (np.isnan(values[0]) and np.isnan(values).all()):
-        message = (
+        raise DataError(
             f"column '{column}' has no value in any of {len(values)} rows; "
             f"if it is not needed: {keyword('columns', {column: 'ignore'})}"
         )
-        raise DataError(message)
 
 
 def refuse_truth(values: pd.Series[Any], assignment: Assignment) -> None:
@@ -61,12 +60,11 @@ def refuse_truth(values: pd.Series[Any], assignment: Assignment) -> None:
     """
     if pd.api.types.is_bool_dtype(values):
         column, what = assignment.column, assignment.form.role.replace("_", " ")
-        message = (
+        raise DataError(
             f"column '{column}' holds true and false, and a {what} is a number; "
             f"if it is something else: {keyword('columns', {column: 'extra'})} (or "
             f"{keyword('columns', {column: 'ignore'})})"
         )
-        raise DataError(message)
 
 
 def newest_first(elapsed: Column, assignment: Assignment) -> list[str]:
@@ -141,17 +139,17 @@ def refuse_other_unit(values: Column, seen: Ends, assignment: Assignment, truste
             else f"values in another unit, or in tenths, must be converted before; without it: "
             f"{keyword('columns', {column: 'ignore'})}"
         )
-        message = f"column '{column}' has a median of {median:g}, outside {low:g} .. {high:g}; {advice}"
-        raise DataError(message)
+        raise DataError(
+            f"column '{column}' has a median of {median:g}, outside {low:g} .. {high:g}; {advice}"
+        )
     said = {assignment.name: unit.to_si(median), **others}
     symbol = si_unit(form.quantity)
     read_as = ", ".join(f"as {name} {value:.4g} {symbol}".rstrip() for name, value in said.items())
-    message = (
+    raise DataError(
         f"column '{column}' has a median of {median:g}: {read_as}. "
         f"Say which it is: {keyword('columns', {column: next(iter(others))})} (or rename it), "
         f"or if it is right as it stands: {keyword('trust', [column])}"
     )
-    raise DataError(message)
 
 
 def still_refused(observations: Observations) -> str:

@@ -68,11 +68,10 @@ def instants(
         and pd.api.types.is_numeric_dtype(values)
         and not pd.api.types.is_bool_dtype(values)
     ):
-        message = (
+        raise DataError(
             f"column '{column}' holds numbers, not ISO 8601 times; rename it to its unit: "
             "time_s, time_ms, time_us, time_min or time_h; hours and minutes as 1345, beside a date: HHMM"
         )
-        raise DataError(message)
     zone = _zone(time_zone)
     far = np.zeros(len(values), dtype=np.bool_)
     times = (
@@ -132,10 +131,9 @@ def _zone(name: str) -> tzinfo:
     try:
         return ZoneInfo(name)
     except (ZoneInfoNotFoundError, TypeError, ValueError, OSError):
-        message = (
+        raise UsageError(
             f"unknown time zone '{name}'; IANA names are like UTC or Europe/Copenhagen, offsets like +02:00"
-        )
-        raise UsageError(message) from None
+        ) from None
 
 
 def _parse(
@@ -152,8 +150,9 @@ def _parse(
     aware = bool(offset.any())
     if aware and not offset[filled].all():
         first = int(np.flatnonzero(filled & ~offset)[0])
-        message = f"column '{column}' has times with and without an offset, first without at {row(first)}"
-        raise DataError(message)
+        raise DataError(
+            f"column '{column}' has times with and without an offset, first without at {row(first)}"
+        )
     times = _of_texts(texts.where(filled), aware)
     wrong = times.isna() & filled
     if wrong.any():
@@ -172,12 +171,11 @@ def _of_texts(texts: pd.Series[Any], aware: bool) -> pd.Series[Any]:
 
 def _refuse_others(texts: pd.Series[Any], wrong: NDArray[np.intp], column: str) -> None:
     if 10 * len(wrong) > len(texts):
-        message = (
+        raise DataError(
             f"column '{column}' has {len(wrong)} of {len(texts)} rows that are not ISO 8601 "
             f"(2024-05-31T13:45:00), first at {row(wrong[0])}: '{shown(texts.iloc[wrong[0]])}'; "
             f"written otherwise: {keyword('time_format', '%d.%m.%Y %H:%M:%S')}"
         )
-        raise DataError(message)
 
 
 def _localize(times: pd.Series[Any], column: str, zone: tzinfo) -> pd.Series[Any]:
@@ -189,12 +187,11 @@ def _localize(times: pd.Series[Any], column: str, zone: tzinfo) -> pd.Series[Any
             local = times.dt.tz_localize(zone, ambiguous=summer, nonexistent="NaT")
             wrong = np.flatnonzero(local.isna() & times.notna())
     if len(wrong):
-        message = (
+        raise DataError(
             f"column '{column}' has {len(wrong)} local times that a clock change skips or repeats, "
             f"first at {row(wrong[0])}: {times.iloc[wrong[0]]}; a logger that keeps one offset all year "
             f"needs it as its zone: {keyword('time_zone', 'Etc/GMT-1')} is UTC+1"
         )
-        raise DataError(message)
     return local
 
 
@@ -298,11 +295,10 @@ def refuse_other_clock(seconds: Column, source: Assignment) -> None:
         f"as {name} a row each {span(time)}" for name, time in {source.name: step, **others}.items()
     )
     ways = [keyword("columns", {source.column: name}) for name in others]
-    message = (
+    raise DataError(
         f"column '{source.column}' has usual steps of {step / own:.6g}: {told}. Say which it is: "
         f"{', '.join([*ways, 'or if it is right as it stands'])}: {keyword('trust', [source.column])}"
     )
-    raise DataError(message)
 
 
 def _is_usual(steps: Column, unit: float) -> bool:

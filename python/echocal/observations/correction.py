@@ -44,8 +44,9 @@ def corrected_distance(observations: Observations, model: Model) -> Column:
         )
     except DataError as error:
         out = keyword("columns", {"NAME": "ignore"})
-        message = f"{error}; map a column with {keyword('columns')}, or leave one out with {out}"
-        raise DataError(message) from None
+        raise DataError(
+            f"{error}; map a column with {keyword('columns')}, or leave one out with {out}"
+        ) from None
     return distance
 
 

@@ -43,17 +43,15 @@ def by_format(texts: pd.Series[Any], column: str, time_format: str) -> pd.Series
     try:
         times: pd.Series[Any] = pd.to_datetime(texts.where(filled), format=time_format, errors="coerce")
     except (ValueError, TypeError) as error:
-        message = (
+        raise UsageError(
             f'{keyword("time_format", time_format)}: no format of times: {error}; like "%d.%m.%Y %H:%M:%S"'
-        )
-        raise UsageError(message) from None
+        ) from None
     wrong = np.flatnonzero(times.isna() & filled)
     if 2 * len(wrong) > filled.sum():
-        message = (
+        raise DataError(
             f"column '{column}' has {len(wrong)} of {len(texts)} rows that are not written as "
             f"\"{time_format}\", first at {row(wrong[0])}: '{shown(texts.iloc[wrong[0]])}'"
         )
-        raise DataError(message)
     return times
 
 

@@ -57,13 +57,12 @@ class FirmwareSpeed:
         else:
             self._conditions = {name: conditions[name] for name in self._reads() if name in conditions}
             if "temperature" not in self._conditions:
-                message = (
+                raise DataError(
                     f"readings become echo times with the speed that the firmware used: '{self.law}' needs a "
                     f"temperature and the table has none; map one ({keyword('columns', thermometer())}), or "
                     f"say the speed: {keyword('reading_speed', 343)}; one that nobody recorded: "
                     f"{keyword('at', {'temperature': '20+-2'})}"
                 )
-                raise DataError(message)
 
     @property
     def fixed(self) -> bool:
@@ -88,11 +87,10 @@ class FirmwareSpeed:
         wrong = np.flatnonzero(usable & ~((echo_time > 0.0) & (echo_time < np.inf)))
         if len(wrong):
             speed = np.broadcast_to(self._model.speed_of_sound(1.0, **self._given()), echo_time.shape)
-            message = (
+            raise DataError(
                 f"readings cannot be made with the speed '{self.law}': it is {speed[wrong[0]]:g} m/s at "
                 f"{row(wrong[0])}; say the one that the firmware used: {keyword('reading_speed', 343)}"
             )
-            raise DataError(message)
         return echo_time
 
     def reading(self, echo_time: Column) -> Column:
@@ -114,12 +112,11 @@ def _refuse_speed(speed: float) -> None:
     if low <= speed <= high:
         return
     meant = [f"; {speed:g} {unit} is {c:.1f} m/s" for unit, c in _meant(speed) if low <= c <= high]
-    message = (
+    raise UsageError(
         f"the reading speed is {speed:g} m/s; the speed of sound in air lies within {low:g} .. {high:g} m/s"
         f"{meant[0] if meant else ''}; say the speed that the firmware used: "
         f"{keyword('reading_speed', 343)}"
     )
-    raise UsageError(message)
 
 
 def _meant(number: float) -> list[tuple[str, float]]:
@@ -162,10 +159,9 @@ def disagreeing(
     elif 2 * apart.sum() > known.sum():
         ratio = float(np.median(reading[known] / expected[known]))
         echo, indicated = (source.column for source in sources)
-        message = (
+        raise DataError(
             f"'{echo}' and '{indicated}' disagree in {apart.sum()} of {known.sum()} rows: the reading is "
             f"{ratio:.3f} times speed ({speed.law}) x echo time / 2 (median); check units, one way or two, "
             f"and {keyword('reading_speed')}, or leave one out: {keyword('columns', {indicated: 'ignore'})}"
         )
-        raise DataError(message)
     return np.asarray(apart, dtype=np.bool_)

@@ -91,11 +91,10 @@ def refuse_object(column: str, position: int, field: object) -> None:
     if (isinstance(field, _SCALARS) and not _signals(field)) or any(field is none for none in _NONE):
         return
     what = "a signaling NaN" if _signals(field) else f"a value of type {type(field).__name__}"
-    message = (
+    raise DataError(
         f"column '{column}' holds {what} at {row(position)}; give one number or text a row "
         f"(None for no value), or leave the column out: {keyword('columns', {column: 'ignore'})}"
     )
-    raise DataError(message)
 
 
 def _text(field: object, column: str, position: int) -> str:

@@ -77,8 +77,7 @@ class TextFile:
                 return
             for start, told in _NO_TABLE.items():
                 if begins.startswith(start):
-                    message = f"{path} is {told}"
-                    raise DataError(message)
+                    raise DataError(f"{path} is {told}")
             if not (self.is_parquet or self.is_spreadsheet):
                 with self._unpacked(file) as data:
                     self._look(data)
@@ -127,16 +126,14 @@ class TextFile:
     @contextmanager
     def _unpacked(self, file: IO[bytes]) -> Iterator[IO[bytes]]:
         if not file.seekable():
-            message = f"{self.path} gives its bytes once (a pipe): write them to a file, and give that"
-            raise DataError(message)
+            raise DataError(f"{self.path} gives its bytes once (a pipe): write them to a file, and give that")
         file.seek(0)
         try:
             yield gzip.GzipFile(fileobj=file) if self.is_zipped else file  # type: ignore[misc]
         except UnicodeError:
             raise self.no_text() from None
         except (OSError, EOFError, zlib.error) as error:
-            message = f"{self.path} cannot be unpacked: {error}"
-            raise DataError(message) from None
+            raise DataError(f"{self.path} cannot be unpacked: {error}") from None
 
     @contextmanager
     def below(self, data: IO[bytes], lines: int) -> Iterator[TextIO]:
@@ -174,19 +171,14 @@ def _opened(path: Path) -> IO[bytes]:
         file = path.open("rb")
         is_empty = not file.peek(1)
     except IsADirectoryError:
-        message = f"{path} is a folder; name one file of it"
-        raise DataError(message) from None
+        raise DataError(f"{path} is a folder; name one file of it") from None
     except FileNotFoundError:
-        message = f"no file {path}"
-        raise DataError(message) from None
+        raise DataError(f"no file {path}") from None
     except OSError as error:
-        message = f"{path} cannot be read: {error.strerror}"
-        raise DataError(message) from None
+        raise DataError(f"{path} cannot be read: {error.strerror}") from None
     except ValueError as error:  # a NUL byte, a lone surrogate
-        message = f"{str(path)!r} cannot be the name of a file: {error}"
-        raise DataError(message) from None
+        raise DataError(f"{str(path)!r} cannot be the name of a file: {error}") from None
     if is_empty:
         file.close()
-        message = f"{path} is empty"
-        raise DataError(message)
+        raise DataError(f"{path} is empty")
     return file

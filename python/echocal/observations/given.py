@@ -47,8 +47,9 @@ def observed(
     if isinstance(given, Observations):
         if how:
             name = next(iter(how))
-            message = f"{name} is an argument for reading a table; pass it to read_observations instead"
-            raise UsageError(message)
+            raise UsageError(
+                f"{name} is an argument for reading a table; pass it to read_observations instead"
+            )
         return given
     default: dict[str, Any] = {"reading_speed": speed} if speed else {}
     if model is not None and how.get("columns"):
@@ -80,5 +81,4 @@ def refuse_keywords(caller: Callable[..., Any], given: Iterable[str], also: Iter
         if name not in known:
             near = get_close_matches(name, known, n=1)
             hint = f"; did you mean '{near[0]}'?" if near else ""
-            message = f"{caller.__name__}() got an unexpected keyword argument '{name}'{hint}"
-            raise TypeError(message)
+            raise TypeError(f"{caller.__name__}() got an unexpected keyword argument '{name}'{hint}")

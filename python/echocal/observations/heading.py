@@ -75,11 +75,10 @@ def head_in(lines: list[str], layout: Layout, path: str) -> Head:
         and head.above == skip + 1
         and any(s in "".join(lines[1:2]) for s in SEPARATORS)
     ):
-        message = (
+        raise DataError(
             f"{path}: line {skip + 1} ('{first[:40]}') is one field and the next line has more; "
             f"if it is a logger's own line, skip it: {keyword('skip_lines', skip + 1)}"
         )
-        raise DataError(message)
     if not head.nameless and head.above > skip:
         header = lines[head.above - skip - 1]
         Scanner(path, replace(head, comments=False, repeated=frozenset())).refuse_open(header, head.above)
@@ -93,15 +92,13 @@ def _first_lines(lines: list[str], skip: int, path: str) -> tuple[int, str, list
         skip += 1
         before = lines.pop(0).strip()
     if not lines:
-        message = f"{path} has no header" + (f" after {skip} skipped lines" if skip else "")
-        raise DataError(message)
+        raise DataError(f"{path} has no header" + (f" after {skip} skipped lines" if skip else ""))
     if "\0" in lines[0]:
         wide = {0: "utf-16-be", 1: "utf-16-le"}.get(lines[0].find("\0"), "utf-16")
-        message = (
+        raise DataError(
             f"{path} is not text: its first line has NUL bytes; a binary file, or name the encoding: "
             f"{keyword('encoding', wide)}"
         )
-        raise DataError(message)
     return skip, before, [line.rstrip("\r\n") for line in lines]
 
 
@@ -119,8 +116,7 @@ def find_head(lines: Sequence[str], skipped: int, before: str) -> Head:
     """
     given = _SEP_LINE.fullmatch(lines[0].strip())
     if given and not given[1].isascii():
-        message = f"'{lines[0].strip()}' names a separator that is no sign of ASCII; write another one"
-        raise DataError(message)
+        raise DataError(f"'{lines[0].strip()}' names a separator that is no sign of ASCII; write another one")
     if given and len(lines) > 1:
         return _table(lines, 1, skipped, given[1])
     if lines[0].startswith(('"TOA5"', "TOA5,", '"TOACI1"', "TOACI1,")) and len(lines) > 1:

@@ -59,9 +59,8 @@ def positions(values: pd.Series[Any], column: str) -> NDArray[np.int64]:
     found = texts.str.extract(r"^\D*?(\d{1,18})(?:\.0)?\D*$", expand=False)
     wrong = np.flatnonzero(found.isna() & (texts != ""))
     if len(wrong):
-        message = (
+        raise DataError(
             f"column '{column}' must hold the position in a burst, one whole number a row; "
             f"{row(wrong[0])} has '{shown(texts.iloc[wrong[0]])}'"
         )
-        raise DataError(message)
     return found.fillna("-1").to_numpy(dtype=np.int64)

@@ -44,11 +44,9 @@ class Layout:
 
     def __post_init__(self) -> None:
         if not isinstance(self.skip_lines, int | np.integer) or not 0 <= self.skip_lines <= sys.maxsize:
-            message = f"skip_lines is {self.skip_lines!r}; give the number of lines before the header"
-            raise UsageError(message)
+            raise UsageError(f"skip_lines is {self.skip_lines!r}; give the number of lines before the header")
         if self.decimal not in {".", ",", None}:
-            message = f"decimal separator '{self.decimal}' is neither '.' nor ','"
-            raise UsageError(message)
+            raise UsageError(f"decimal separator '{self.decimal}' is neither '.' nor ','")
         try:
             "".encode(self.encoding)  # also refuses one of bytes, such as zip
         except (LookupError, TypeError, ValueError):

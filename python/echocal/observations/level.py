@@ -64,11 +64,10 @@ def fitted(
             raise UsageError(without_height(own))
         level, far = level[known], far[known]
         if _spread(level) > _LEAST and _spread(level + far) >= _spread(level - far):
-            message = (
+            raise DataError(
                 f"column '{column}' is no level beside '{other.column}': it does not fall where the distance "
                 f"rises; say what it is: {keyword('columns', {column: f'distance_{own.unit_name}'})}"
             )
-            raise DataError(message)
         refuse_unit(level, far, np.ones(len(level), dtype=bool), own, other)
         height = round(float(np.median(level + far)), 3)
         found[column] = f"{requests[column]}{BELOW}{height!r} m"
@@ -115,12 +114,11 @@ def refuse_unit(
     way = f"say its unit: {keyword('columns', {own.column: f'{form.role}_{near}'})}"
     if near == own.unit_name:
         way = f"multiply it by {10.0 ** np.round(np.log10(fall / rise)):g}, or say its unit"
-    message = (
+    raise DataError(
         f"column '{own.column}' changes by {rise:.3g} m, taken as {own.name}, and '{other.column}' by "
         f"{fall:.3g} m: a factor of {max(rise / fall, fall / rise):.0f}. A level changes by as much as the "
         f"distance; {way}"
     )
-    raise DataError(message)
 
 
 def _other(held: Mapping[str, Assignment], level: Assignment) -> Assignment | None:
@@ -165,7 +163,7 @@ def refuse_level(
     together, apart, own = (_spread(v) for v in (distance + level, distance - level, level))
     if own < _LEAST or together > _RATIO * apart:
         return
-    message = (
+    raise DataError(
         f"column '{column}' looks like a level, not like the distance to the target: where it rises, the "
         f"reading falls. Their sum stays within {together:.3f} m of {height:.2f} m, and their difference "
         f"changes by {apart:.3f} m (90 % of {known.sum()} rows). If it is a level: "
@@ -175,7 +173,6 @@ def refuse_level(
         f"{keyword('columns', {column: 'ignore'})}; if it is a distance all the same: "
         f"{keyword('trust', [column])}"
     )
-    raise DataError(message)
 
 
 def _spread(values: Column) -> float:

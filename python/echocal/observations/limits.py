@@ -127,17 +127,15 @@ def refuse_names(names: Iterable[object], where: object) -> None:
     """
     held = list(names)
     if len(held) > COLUMNS:
-        message = (
+        raise DataError(
             f"{where} has {len(held):,} columns, and {COLUMNS:,} are the most; keep those that are needed"
         )
-        raise DataError(message)
     for place, name in enumerate(held, 1):
         if isinstance(name, str) and len(name) > NAME:
-            message = (
+            raise DataError(
                 f"{where}: the name of column {place} has {len(name):,} characters ('{name[:40]}...'), and "
                 f"{NAME:,} are the most; shorten it"
             )
-            raise DataError(message)
 
 
 def refuse_cells(rows: int, columns: int, filled: int, where: object) -> None:
@@ -149,12 +147,11 @@ def refuse_cells(rows: int, columns: int, filled: int, where: object) -> None:
         With its size.
     """
     if rows * columns > max(CELLS, 10 * filled):
-        message = (
+        raise DataError(
             f"{where} has {rows:,} rows and {columns:,} columns, so {rows * columns:,} cells, of which "
             f"{filled:,} have a value; {CELLS:,} are the most where so few have one: remove what is far from "
             "the table, or save the table alone as CSV"
         )
-        raise DataError(message)
 
 
 def from_json(text: str, **options: Any) -> Any:

@@ -67,12 +67,10 @@ class RowRule:
 
     def __post_init__(self) -> None:
         if self.kind not in get_args(Kind) or self.sign not in _SIGNS:
-            message = f"no rule for rows: kind {self.kind!r}, sign {self.sign!r}"
-            raise ModelError(message)
+            raise ModelError(f"no rule for rows: kind {self.kind!r}, sign {self.sign!r}")
         for name in ("value", "tolerance", "length", "deviation", "part"):
             if not isinstance(getattr(self, name), Real):
-                message = f"a rule for rows has the {name} {getattr(self, name)!r}; give a number"
-                raise ModelError(message)
+                raise ModelError(f"a rule for rows has the {name} {getattr(self, name)!r}; give a number")
 
     @property
     def context(self) -> int:
@@ -89,13 +87,11 @@ class RowRule:
 def rules_from(plain: object) -> tuple[RowRule, ...]:
     """Rules from the data of a model file. Raises `ModelError` if it is no list of rules."""
     if not isinstance(plain, list | tuple) or not all(isinstance(own, Mapping) for own in plain):
-        message = f"the rules for rows are no list of objects: {plain!r:.60}"
-        raise ModelError(message)
+        raise ModelError(f"the rules for rows are no list of objects: {plain!r:.60}")
     try:
         return tuple(RowRule(**own) for own in plain)
     except TypeError as error:
-        message = f"a rule for rows cannot be read: {error}"
-        raise ModelError(message) from None
+        raise ModelError(f"a rule for rows cannot be read: {error}") from None
 
 
 def marked(

@@ -38,8 +38,7 @@ def naming(names: Collection[str]) -> Iterator[None]:
     try:
         yield
     except AbsentError as error:
-        message = f"{error}{misspelled(error.quantity, names)}"
-        raise DataError(message) from None
+        raise DataError(f"{error}{misspelled(error.quantity, names)}") from None
 
 
 def meant(others: Collection[str], forms: Collection[Form]) -> dict[str, str]:

@@ -59,12 +59,11 @@ def by_name(column: str) -> tuple[Form, str] | None:
     if weak or "_" in unit:  # a longer name is somebody's own: wind_direction_deg
         return None
     what = f"unknown unit '{unit}'" if unit else "no unit"
-    message = (
+    raise DataError(
         f"column '{column}' has {what}; accepted: {', '.join(form.names)}. Rename it, or say what it is: "
         f"{keyword('columns', {column: form.names[0]})}, or {keyword('columns', {column: EXTRA})} for a "
         f"column of another kind; {INSPECT}"
     )
-    raise DataError(message)
 
 
 def is_level_name(column: str) -> bool:
@@ -95,19 +94,18 @@ def by_request(column: str, request: str) -> tuple[Form, str] | None:
         return (_below(found[0], column, above), found[1]) if above else found
     form = _form_of(meaning)
     if form is not None:
-        message = f"'{column}' = '{request}' has no known unit; accepted: {', '.join(form.names)}"
-        raise UsageError(message)
+        raise UsageError(f"'{column}' = '{request}' has no known unit; accepted: {', '.join(form.names)}")
     known = among(request, [*NAMES, EXTRA, IGNORE], "accepted:")
-    message = f"'{column}' = '{request}' names no quantity{known}"
-    raise UsageError(message)
+    raise UsageError(f"'{column}' = '{request}' names no quantity{known}")
 
 
 def _below(form: Form, column: str, height: str) -> Form:
     """A level that is counted down from the height of the sensor."""
     match = re.fullmatch(r"(?P<height>[-+.\de]+) m", height)
     if match is None or not form.level:
-        message = f"'{column}': a level is written like 'level_cm below 2.6 m', got '... below {height}'"
-        raise UsageError(message)
+        raise UsageError(
+            f"'{column}': a level is written like 'level_cm below 2.6 m', got '... below {height}'"
+        )
     meters = float(match["height"])
     units = {name: unit.below(meters) for name, unit in form.units.items()}
     return replace(form, units=units, mount_height=meters)

@@ -107,8 +107,9 @@ class Missing:
         """Refuse codes for a column that is not there."""
         absent = sorted(set(self._codes) - {"", *columns})
         if absent:
-            message = f"error codes for column '{absent[0]}', which is not there{among(absent[0], columns)}"
-            raise UsageError(message)
+            raise UsageError(
+                f"error codes for column '{absent[0]}', which is not there{among(absent[0], columns)}"
+            )
 
     def texts(self, column: str) -> frozenset[str]:
         """Codes of a column, as text."""
@@ -158,13 +159,11 @@ def to_numbers(
         Whether the column goes on elsewhere: then `corrupt` takes all of them, and `Damage` judges the whole.
     """
     if pd.api.types.is_datetime64_any_dtype(values) or pd.api.types.is_timedelta64_dtype(values):
-        message = f"column '{column}' holds {values.dtype}, not numbers"
-        raise DataError(message)
+        raise DataError(f"column '{column}' holds {values.dtype}, not numbers")
     if pd.api.types.is_complex_dtype(values):
-        message = (
+        raise DataError(
             f"column '{column}' holds complex numbers ({values.dtype}); give the real part, or its magnitude"
         )
-        raise DataError(message)
     if pd.api.types.is_numeric_dtype(values):
         numbers = values.to_numpy(dtype=np.float64, na_value=np.nan, copy=True)
     else:
@@ -186,11 +185,10 @@ def _parse(
     if corrupt is not None and (part or not Damage.of(texts.iloc[wrong]).is_refused(len(texts))):
         corrupt += wrong.tolist()
     elif len(wrong):
-        message = (
+        raise DataError(
             f"column '{column}' has text in {len(wrong)} of {len(texts)} rows, "
             f"first at {row(wrong[0])}: '{shown(texts.iloc[wrong[0]])}'; {_hint(texts.iloc[wrong])}"
         )
-        raise DataError(message)
     return numbers
 
 

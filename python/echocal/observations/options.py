@@ -98,8 +98,7 @@ class ReadOptions:
 def _names(trust: Any) -> tuple[str, ...]:
     listed = [trust] if isinstance(trust, str) else trust
     if not isinstance(listed, Collection) or not all(isinstance(name, str) for name in listed):
-        message = f'trust lists names of columns, ["temperature_C"]; got {trust!r}'
-        raise UsageError(message)
+        raise UsageError(f'trust lists names of columns, ["temperature_C"]; got {trust!r}')
     return tuple(listed)
 
 

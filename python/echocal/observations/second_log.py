@@ -59,40 +59,36 @@ class SecondLog:
         held = make(list(self.table.columns), own).assignments
         source = held.get("reference_distance")
         if source is None:
-            message = (
+            raise DataError(
                 f"the reference has no column of reference distances; it has "
                 f"{', '.join(self.table.columns)}: {keyword('columns', {'NAME': 'distance_m'})}, or "
                 "'reference_level_m'"
             )
-            raise DataError(message)
         planned = make(list(table.columns), _completed(table, requests)[0]).assignments
         if "reference_distance" in planned:
-            message = (
+            raise DataError(
                 f"the table has a reference distance, '{planned['reference_distance'].column}', and so has "
                 f"the reference, '{source.column}'; leave one out: "
                 f"{keyword('columns', {planned['reference_distance'].column: 'ignore'})}"
             )
-            raise DataError(message)
         rows = _times(table, planned, "the table", how)
         times = _times(self.table, held, "the reference", how)
         if rows[1] != times[1]:
-            message = (
+            raise DataError(
                 "the times of the table and of the reference have no common zero: one has dates, and the "
                 "other counts; give both dates"
             )
-            raise DataError(message)
         values = to_numbers(self.table[source.column], source.column, Missing(how.missing), [])
         at = Clock(np.concatenate([rows[0], times[0]]))
         count, smooth = len(table), how.reference_join != "nearest"
         places = np.arange(count), np.arange(count, count + len(values))
         taken, join = joined(at, *places, values, smooth=smooth)
         if not np.isfinite(taken).any():
-            message = (
+            raise DataError(
                 f"no row of the table has a value of '{source.column}' near in time: the table goes from "
                 f"{_shown(rows)}, the reference from {_shown(times)}; a zone: "
                 f"{keyword('time_zone', '+01:00')}"
             )
-            raise DataError(message)
         name = source.column if source.column not in table.columns else f"{source.column} (reference)"
         u = abs(source.unit.numerator / source.unit.denominator) * _uncertainty(times[0], values)
         told_ = f"{told({name: join})[0]}; standard uncertainty of a value {1e3 * u:.2g} mm, by how well its "
@@ -109,8 +105,7 @@ class SecondLog:
 def second_log(how: ReadOptions, columns: Any) -> SecondLog:
     """Read the log of the reference; what the user says of a column is said of both logs."""
     if how.reference_join not in ("interpolated", "nearest"):
-        message = f"{keyword('reference_join', how.reference_join)}: interpolated or nearest"
-        raise UsageError(message)
+        raise UsageError(f"{keyword('reference_join', how.reference_join)}: interpolated or nearest")
     table = load(how.reference, how.layout)
     refuse_absent(how.requests, list(dict.fromkeys([*columns, *table.columns])))
     return SecondLog(table, how.requests_of(table.columns))
@@ -126,11 +121,10 @@ def _times(
     """Seconds of each row, and whether they are those of a date."""
     source = held.get("elapsed_time")
     if source is None:
-        message = (
+        raise DataError(
             f"{whose} has no time, by which a reference is joined; it has {', '.join(table.columns)}: "
             f"{keyword('columns', {'NAME': 'time'})}"
         )
-        raise DataError(message)
     if source.name != "time":
         return np.asarray(
             source.unit.to_si(to_numbers(table[source.column], source.column, Missing(()), []))

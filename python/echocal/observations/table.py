@@ -175,11 +175,10 @@ class Observations(Shown):
         if count < rows:
             counts = ", ".join(f"{number} {reason}" for reason, number in self.unusable_counts.items())
             noun = "row" if len(self) == 1 else "rows"
-            message = (
+            raise DataError(
                 f"{purpose} needs at least {rows} usable rows; the table has {count} of {len(self)} {noun}"
                 f"{f' (unusable: {counts})' if counts else ''}"
             )
-            raise DataError(message)
 
 
 def _no_thermometer(quantity: str, column: str, observations: Observations) -> str:

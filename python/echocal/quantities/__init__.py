@@ -25,11 +25,10 @@ def _entry(name: str) -> QuantityFacts:
     try:
         return _BY_NAME[name]
     except KeyError:
-        message = (
+        raise ImportError(
             f"the core has a quantity '{name}' (rust/core/src/conditions.rs) that has no entry in "
             "python/echocal/quantities/table.py; write this entry"
-        )
-        raise ImportError(message) from None
+        ) from None
 
 
 QUANTITIES: dict[str, QuantityFacts] = {facts["name"]: _entry(facts["name"]) for facts in _core.quantities()}

@@ -32,8 +32,9 @@ def read(lines: Sequence[str], path: str) -> Log:
     log = Log([])
     records = _records(whole, log)
     if not records:
-        message = f'{path} is JSON without records; a record is {{"distance_cm": 12.3, ...}}, one a line'
-        raise DataError(message)
+        raise DataError(
+            f'{path} is JSON without records; a record is {{"distance_cm": 12.3, ...}}, one a line'
+        )
     return of_several_messages(_short([flat(record) for record in records]), log)
 
 
@@ -51,11 +52,10 @@ def _lines(lines: Sequence[str], path: str) -> Log:
             log.corrupt[len(records)] = line
             records.append({})
     if 2 * len(log.corrupt) >= len(records):
-        message = (
+        raise DataError(
             f"{path} is JSON that cannot be read{why and f' ({why})'}; write one record a line, or save the "
             "table as CSV"
         )
-        raise DataError(message)
     return of_several_messages(_short(records), log)
 
 

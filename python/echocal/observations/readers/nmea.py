@@ -30,9 +30,8 @@ def read(lines: Sequence[str], path: str) -> Log:
         Always.
     """
     kinds = dict.fromkeys(m["kind"] for line in lines if (m := _SENTENCE.match(line.strip())))
-    message = (
+    raise DataError(
         f"{path} has {NAME} ({', '.join(list(kinds)[:4])}), whose fields differ from kind to kind. Write the "
         "values of a sensor in air as a table with names and units (time, distance_cm, temperature_C). A "
         "depth sounder measures in water, and echocal has the speed of sound in air only"
     )
-    raise DataError(message)

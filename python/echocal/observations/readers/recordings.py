@@ -77,8 +77,7 @@ def read(path: Path, kind: str) -> pd.DataFrame:
     if not sound:
         others = ", ".join(f"{own.topic} (type {sorted(own.kinds)})" for own in rangers)
         none = f"its rangers are no ultrasonic ones: {others}" if others else "no ranger is in it"
-        message = f"{path} is {kind}, and {none}; ultrasonic is type {_SOUND[kind]} of {_topic(kind)}"
-        raise DataError(message)
+        raise DataError(f"{path} is {kind}, and {none}; ultrasonic is type {_SOUND[kind]} of {_topic(kind)}")
     notes = [f"{own.topic} is no ultrasonic ranger, and is not read" for own in rangers if own not in sound]
     return _table(sound, [own for own in series if own not in rangers and own.times], kind, notes)
 
@@ -136,14 +135,12 @@ def _ulog(path: Path) -> Iterable[_Series]:
     try:
         from pyulog import ULog
     except ImportError:
-        message = f"{path} is {ULOG}: pip install 'echocal[ulog]'"
-        raise DataError(message) from None
+        raise DataError(f"{path} is {ULOG}: pip install 'echocal[ulog]'") from None
     wanted = ["distance_sensor", *dict.fromkeys(topic for topic, _ in _PX4)]
     try:
         log = ULog(str(path), wanted)
     except Exception as error:  # of its parser, which meets any bytes
-        message = f"{path} cannot be read as {ULOG}: {error}"
-        raise DataError(message) from None
+        raise DataError(f"{path} cannot be read as {ULOG}: {error}") from None
     several = {data.name for data in log.data_list if data.multi_id}
     for data in log.data_list:
         name = f"{data.name}_{data.multi_id}" if data.name in several else str(data.name)
@@ -170,8 +167,7 @@ def _bag(path: Path) -> Iterable[_Series]:
         from rosbags.highlevel import AnyReader
         from rosbags.typesys import Stores, get_typestore
     except ImportError:
-        message = f"{path} is {BAG}: pip install 'echocal[ros]'"
-        raise DataError(message) from None
+        raise DataError(f"{path} is {BAG}: pip install 'echocal[ros]'") from None
     found: dict[tuple[str, str], _Series] = {}
     try:
         with AnyReader([path], default_typestore=get_typestore(Stores.LATEST)) as reader:
@@ -184,6 +180,5 @@ def _bag(path: Path) -> Iterable[_Series]:
                 own = found.setdefault((link.topic, link.msgtype), _Series(link.topic, quantity))
                 own.add(time, float(getattr(sent, name)), kind=int(getattr(sent, "radiation_type", 0)))
     except Exception as error:  # of its parsers, which meet any bytes
-        message = f"{path} cannot be read as {BAG}: {error}"
-        raise DataError(message) from None
+        raise DataError(f"{path} cannot be read as {BAG}: {error}") from None
     return found.values()
