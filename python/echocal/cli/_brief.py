@@ -16,8 +16,6 @@ from echocal.keywords import command_line
 from echocal.registry import find_effect
 from echocal.report.diagnosis import STYLE
 
-__all__ = ["follow_up", "print_brief", "print_commands", "without_evidence"]
-
 _PERMISSIBLE_MM = 3.0  # where no larger difference matters
 _EVIDENCE = "see the evidence"
 _ROOM = 5.0  # K beyond the temperatures of the log, for which the C is made

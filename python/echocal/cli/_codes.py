@@ -7,8 +7,6 @@ from echocal.firmware import HumidityCodes, TemperatureCodes
 from echocal.sensors import Sensor
 from echocal.thermistor import ThermistorCodes, thermistor_of
 
-__all__ = ["humidity_codes", "thermometer"]
-
 
 def _temperature_codes(
     sensor: Sensor | None, lsb: float | None, codes: str | None, zero: float | None, shift: int | None

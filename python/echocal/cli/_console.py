@@ -9,8 +9,6 @@ import rich.console
 from rich.segment import Segment
 from rich.text import Text
 
-__all__ = ["Console", "visible", "write_what_can_be_written"]
-
 _PLAIN = str.maketrans(
     {"✓": "+", "✗": "x", "≠": "#", "█": "#", "━": "-", "−": "-", "–": "-", "≥": ">=", "±": "+/-", "…": "..."}
     | dict(zip("▁▂▃▄▅▆▇", "._-=+*%", strict=True))

@@ -13,8 +13,6 @@ from echocal.lagging import LagFirmware, generate_lagging
 from echocal.model import Model
 from echocal.per_unit import UnitFirmware, generate_per_unit
 
-__all__ = ["made_by", "summary"]
-
 
 def made_by(
     model: Model,

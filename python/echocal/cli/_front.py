@@ -13,10 +13,17 @@ import typer
 from echocal.cli import _made_by
 from echocal.cli._brief import follow_up, print_brief, print_commands, without_evidence
 from echocal.cli._console import Console
-from echocal.cli._options import options_text, written_by_us
+from echocal.cli._options import from_stdin, options_text, written_by_us
 from echocal.cli._outputs import Force, Output, Quiet, check_outputs, written
 from echocal.cli._several import tables_bar
-from echocal.cli._tables import AS_IT_IS, Given, Json, from_stdin, noted, reading_options, write_json
+from echocal.cli._tables import (
+    AS_IT_IS,
+    Given,
+    Json,
+    noted,
+    reading_options,
+    write_json,
+)
 from echocal.cli.diagnose import (
     Base,
     ConstantDistance,
@@ -38,8 +45,6 @@ from echocal.observations.mount import is_level
 from echocal.observations.plan import read_columns
 from echocal.outputs import replace_text
 from echocal.report import print_diagnosis
-
-__all__ = ["command"]
 
 
 @dataclass(frozen=True)

@@ -14,9 +14,6 @@ from echocal.checksums import CHECKSUMS, is_sealed, listed, unedited
 from echocal.cli._options import is_stdin
 from echocal.model import Model, document
 
-__all__ = ["Recognize", "causes", "firmware", "model", "page", "picture", "result"]
-__all__ += ["report", "sensor_model", "sign", "table", "verdicts"]
-
 Recognize = Callable[[Path], bool]
 """Tells of an existing file whether it is a former output of the same kind."""
 

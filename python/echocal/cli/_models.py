@@ -14,8 +14,6 @@ from echocal.model import Model
 from echocal.model.indicated_speed import speed_of
 from echocal.observations.given import mounted_options
 
-__all__ = ["Effects", "Law", "Uncertain", "end", "model_of", "read_for"]
-
 Effects: TypeAlias = Annotated[
     list[str] | None,
     typer.Option(

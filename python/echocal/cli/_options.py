@@ -15,9 +15,6 @@ import typer
 from echocal.errors import UsageError
 from echocal.keywords import command_line, keyword
 
-__all__ = ["KNOWN", "Options", "added", "file_in_use", "from_stdin", "is_stdin", "options_text"]
-__all__ += ["refuse_others", "refuse_useless", "stated", "toml_value", "written_by_us"]
-
 _FIRST = "# how to read"
 
 KNOWN = {

@@ -18,9 +18,6 @@ from echocal.cli._options import file_in_use
 from echocal.errors import UsageError, writing
 from echocal.outputs import refuse_name, replace_text
 
-__all__ = ["Force", "Output", "PlotFormat", "Quiet", "Report", "be_quiet", "check_outputs", "made_in"]
-__all__ += ["pass_on", "refuse_picture", "telling_what_is_written", "write_report", "written"]
-
 _FEW = 3  # files of a folder that are listed by name
 
 Force: TypeAlias = Annotated[

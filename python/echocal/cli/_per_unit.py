@@ -19,8 +19,6 @@ from echocal.per_unit import TABLE, Block, Box, block_of, number_of, write_units
 from echocal.per_unit.block import BYTES
 from echocal.per_unit.box import PARAMETERS
 
-__all__ = ["Blocks", "run"]
-
 _USED = {"out", "model", "per_unit", "unit_data", "unit_number", "units", "force", "json", "quiet"}
 _FEW = 3  # refusals that are told; the table has all
 _SCHEMA = "echocal.unit_data/1"

@@ -4,8 +4,6 @@ from collections.abc import Iterable
 
 from echocal.errors import UsageError
 
-__all__ = ["parsed_ranges"]
-
 
 def parsed_ranges(texts: Iterable[str]) -> dict[str, tuple[float, float]]:
     """Read several ranges, each of another condition."""

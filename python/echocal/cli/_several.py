@@ -20,17 +20,6 @@ from echocal.keywords import command_line
 from echocal.model.folder import INDEX, index_text, named
 from echocal.outputs import replace_text
 
-__all__ = [
-    "How",
-    "Outputs",
-    "diagnose_sensors",
-    "diagnose_tables",
-    "is_fleet",
-    "refuse_options",
-    "tables_bar",
-    "told_apart",
-]
-
 _SHARED = "shared.json"
 _INSTEAD = {
     "--with-shape": "an unexplained term belongs to its table: diagnose {one} alone",

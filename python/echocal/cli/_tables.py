@@ -14,17 +14,13 @@ from typing import Annotated, Any, TypeAlias, get_type_hints
 import typer
 
 from echocal.cli._console import Console
-from echocal.cli._options import Options, added, from_stdin
-from echocal.cli._outputs import Quiet, pass_on
+from echocal.cli._options import Options, added
+from echocal.cli._outputs import pass_on
 from echocal.engines import ENGINES
 from echocal.errors import DataWarning, DomainWarning, UsageError
 from echocal.observations import Observations, read_observations
 from echocal.observations.options import ReadOptions
 from echocal.observations.plan import read_columns
-
-__all__ = ["AS_IT_IS", "Columns", "Engine", "Given", "Json", "Quiet", "SpreadsheetSafe", "column_requests"]
-__all__ += ["conditions", "error_codes", "from_stdin", "noted", "notes", "read", "reading_options"]
-__all__ += ["reading_words", "toml_files", "write_json"]
 
 _OURS = (DataWarning, DomainWarning)
 

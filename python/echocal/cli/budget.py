@@ -11,13 +11,12 @@ from echocal.budget.coverage import COVERAGE
 from echocal.cli import _made_by
 from echocal.cli._console import Console
 from echocal.cli._models import Effects, Law, Uncertain, model_of, read_for
-from echocal.cli._outputs import Force, Output, check_outputs
+from echocal.cli._options import from_stdin
+from echocal.cli._outputs import Force, Output, Quiet, check_outputs
 from echocal.cli._tables import (
     AS_IT_IS,
     Given,
     Json,
-    Quiet,
-    from_stdin,
     noted,
     read,
     reading_options,

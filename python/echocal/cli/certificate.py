@@ -11,8 +11,16 @@ from echocal.budget.coverage import COVERAGE
 from echocal.cli import _made_by
 from echocal.cli._console import Console
 from echocal.cli._models import Uncertain, end, read_for
-from echocal.cli._outputs import Force, Output, check_outputs
-from echocal.cli._tables import AS_IT_IS, Given, Json, Quiet, noted, read, reading_options, write_json
+from echocal.cli._outputs import Force, Output, Quiet, check_outputs
+from echocal.cli._tables import (
+    AS_IT_IS,
+    Given,
+    Json,
+    noted,
+    read,
+    reading_options,
+    write_json,
+)
 from echocal.errors import UsageError
 from echocal.model import Model
 

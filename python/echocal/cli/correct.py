@@ -9,16 +9,15 @@ import typer
 from echocal.cli import _made_by
 from echocal.cli._console import Console
 from echocal.cli._models import Effects, Law, Uncertain, model_of
-from echocal.cli._outputs import Force, Output, check_outputs, made_in
+from echocal.cli._options import from_stdin
+from echocal.cli._outputs import Force, Output, Quiet, check_outputs, made_in
 from echocal.cli._progress import rows_bar
 from echocal.cli._tables import (
     AS_IT_IS,
     Engine,
     Given,
     Json,
-    Quiet,
     SpreadsheetSafe,
-    from_stdin,
     notes,
     reading_options,
     write_json,

@@ -10,11 +10,12 @@ from echocal.cli import _made_by, _several
 from echocal.cli._brief import follow_up, print_brief, without_evidence
 from echocal.cli._complete import bases
 from echocal.cli._console import Console
-from echocal.cli._options import stated
+from echocal.cli._options import from_stdin, stated
 from echocal.cli._outputs import (
     Force,
     Output,
     PlotFormat,
+    Quiet,
     Report,
     check_outputs,
     made_in,
@@ -26,9 +27,7 @@ from echocal.cli._tables import (
     AS_IT_IS,
     Given,
     Json,
-    Quiet,
     SpreadsheetSafe,
-    from_stdin,
     noted,
     reading_options,
     reading_words,

@@ -7,9 +7,9 @@ import typer
 
 from echocal.cli import _made_by
 from echocal.cli._console import Console
-from echocal.cli._outputs import Force, Output, check_outputs, refuse_picture
+from echocal.cli._outputs import Force, Output, Quiet, check_outputs, refuse_picture
 from echocal.cli._progress import counted_bar
-from echocal.cli._tables import Json, Quiet, write_json
+from echocal.cli._tables import Json, write_json
 from echocal.errors import UsageError
 from echocal.outputs import write_table
 

@@ -12,9 +12,17 @@ from rich.table import Table
 from echocal.cli import _made_by
 from echocal.cli._console import Console
 from echocal.cli._options import from_stdin
-from echocal.cli._outputs import Force, Output, check_outputs, refuse_picture
+from echocal.cli._outputs import Force, Output, Quiet, check_outputs, refuse_picture
 from echocal.cli._progress import counted_bar
-from echocal.cli._tables import Columns, Json, Quiet, column_requests, noted, notes, toml_files, write_json
+from echocal.cli._tables import (
+    Columns,
+    Json,
+    column_requests,
+    noted,
+    notes,
+    toml_files,
+    write_json,
+)
 from echocal.emulation import TRUTH, Emulation, emulate, error_parts
 from echocal.errors import UsageError
 from echocal.model import Model

@@ -8,15 +8,13 @@ from rich.table import Table
 
 from echocal.cli import _made_by
 from echocal.cli._console import Console
-from echocal.cli._options import toml_value, written_by_us
-from echocal.cli._outputs import Force, Output, Report, check_outputs, write_report
+from echocal.cli._options import from_stdin, toml_value, written_by_us
+from echocal.cli._outputs import Force, Output, Quiet, Report, check_outputs, write_report
 from echocal.cli._tables import (
     AS_IT_IS,
     Given,
     Json,
-    Quiet,
     SpreadsheetSafe,
-    from_stdin,
     notes,
     reading_options,
     write_json,

@@ -10,8 +10,8 @@ from rich.table import Table
 from echocal.cli import _made_by
 from echocal.cli._console import Console
 from echocal.cli._models import Effects, Law, model_of
-from echocal.cli._outputs import Force, Output, check_outputs
-from echocal.cli._tables import Json, Quiet, noted, write_json
+from echocal.cli._outputs import Force, Output, Quiet, check_outputs
+from echocal.cli._tables import Json, noted, write_json
 from echocal.errors import UsageError
 from echocal.sweep import Range, parse, parse_named, refuse_ending, sweep, write
 

@@ -10,13 +10,12 @@ from echocal.cli import _made_by
 from echocal.cli._complete import laws
 from echocal.cli._console import Console
 from echocal.cli._models import Uncertain, end, read_for
-from echocal.cli._outputs import Force, Output, Report, check_outputs, write_report
+from echocal.cli._options import from_stdin
+from echocal.cli._outputs import Force, Output, Quiet, Report, check_outputs, write_report
 from echocal.cli._tables import (
     AS_IT_IS,
     Given,
     Json,
-    Quiet,
-    from_stdin,
     noted,
     read,
     reading_options,

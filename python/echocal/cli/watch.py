@@ -12,13 +12,8 @@ import typer
 from echocal._interrupt import after_imports
 from echocal.cli._console import visible
 from echocal.cli._models import Effects, Law, Uncertain, model_of
-from echocal.cli._outputs import Force, Output, check_outputs
-from echocal.cli._tables import (
-    AS_IT_IS,
-    Given,
-    Quiet,
-    reading_options,
-)
+from echocal.cli._outputs import Force, Output, Quiet, check_outputs
+from echocal.cli._tables import AS_IT_IS, Given, reading_options
 from echocal.errors import UsageError
 from echocal.observations.layout import Layout
 from echocal.watch import Event, Fleet, Reference, State, WatchSettings, models_of

@@ -11,8 +11,6 @@ from echocal.engines.engine import Engine, Result, Task, Work
 from echocal.engines.worker import ONE_THREAD
 from echocal.errors import UsageError
 
-__all__ = ["local_cluster", "scheduler"]
-
 _CONNECT = 10.0
 """Time that a scheduler has to answer [s]; judgement."""
 

@@ -3,8 +3,6 @@
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any, Protocol
 
-__all__ = ["Engine", "Here", "Result", "Task", "Work"]
-
 Task = Mapping[str, Any]
 Result = dict[str, Any]
 Work = Callable[[Task], Result]

@@ -8,8 +8,6 @@ from typing import Any
 from echocal.engines.engine import Result, Task, Work
 from echocal.engines.worker import Worker
 
-__all__ = ["Processes", "processors"]
-
 
 def processors() -> int:
     """Processors that this process may use."""

@@ -9,8 +9,6 @@ from echocal.engines.engine import Engine, Result, Task, Work
 from echocal.engines.worker import ONE_THREAD
 from echocal.errors import UsageError
 
-__all__ = ["local_cluster"]
-
 _RETRIES = 3
 """How often Ray begins a task again whose worker dies."""
 

@@ -24,8 +24,6 @@ from echocal.model.folder import ModelFolder
 from echocal.model.plain import from_plain
 from echocal.places import exists, file_digest, place_of, stamp
 
-__all__ = ["ONE_THREAD", "Worker", "check_workers", "models_digest", "sees"]
-
 ONE_THREAD = {
     "ECHOCAL_NUM_THREADS": "1",
     "POLARS_MAX_THREADS": "1",

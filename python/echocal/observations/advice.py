@@ -13,13 +13,12 @@ from echocal.observations.misspelled import meant as meant_by
 from echocal.observations.names import INSPECT, looks_like, unit_of
 from echocal.observations.plan import Assignment, Plan
 from echocal.observations.proposals import Proposal, propose, unfit
-from echocal.observations.units import FORMS, Form, split_unit
+from echocal.observations.units import FORMS, split_unit
 from echocal.observations.vocabulary import LENGTH, LEVELS, TOKEN
+from echocal.quantities import Form
 
 if TYPE_CHECKING:
     import pandas as pd
-
-__all__ = ["no_echo", "which_temperature"]
 
 _SAY = "Say which it is"
 

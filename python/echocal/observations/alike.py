@@ -5,8 +5,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Line", "echo_speed", "follows", "is_set", "line_between", "resolution"]
-
 Column = NDArray[np.float64]
 
 _FEWEST = 5  # rows

@@ -9,8 +9,6 @@ import pandas as pd
 
 from echocal.errors import DataError, UsageError
 
-__all__ = ["Table", "arrow", "as_stored", "has_arrow", "read_parquet", "to_pandas"]
-
 Table: TypeAlias = Any
 """A ``pyarrow.Table``; the library has no types, and may be absent."""
 

@@ -26,8 +26,6 @@ from echocal.observations.table import Observations
 from echocal.observations.units import FORMS
 from echocal.quantities import QUANTITIES
 
-__all__ = ["Assembly"]
-
 Column = NDArray[np.float64]
 
 

@@ -17,8 +17,6 @@ from echocal.observations.table import Observations
 from echocal.observations.units import NAMES
 from echocal.quantities import QUANTITIES
 
-__all__ = ["ALSO", "conditions_at", "parsed", "sentences", "shifted", "uncertain", "uncertainties_of"]
-
 ALSO = {"temperature": "temperature_C", "humidity": "humidity_percent", "pressure": "pressure_hPa"}
 """Names without a unit: degC, percent, hPa."""
 

@@ -14,8 +14,6 @@ from echocal.observations.alike import echo_speed, line_between
 from echocal.observations.units import NAMES
 from echocal.observations.vocabulary import TOKEN
 
-__all__ = ["AGREES", "Guess", "guesses", "usual"]
-
 Column = NDArray[np.float64]
 
 _RANGES: dict[str, tuple[tuple[str, float, float], ...]] = {

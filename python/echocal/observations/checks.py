@@ -16,19 +16,8 @@ from echocal.observations.fields import row, rows
 from echocal.observations.plan import EVERYTHING, Assignment
 from echocal.observations.quantiles import median as middle
 from echocal.observations.table import Observations
-from echocal.observations.units import FORMS, NAMES, Form, Unit
-from echocal.quantities import QUANTITIES
-
-__all__ = [
-    "CODES",
-    "ends",
-    "impossible",
-    "newest_first",
-    "outside_years",
-    "refuse_other_unit",
-    "refuse_truth",
-]
-__all__ += ["refuse_without_values", "si_unit", "still_refused", "suspected_codes"]
+from echocal.observations.units import FORMS, NAMES
+from echocal.quantities import QUANTITIES, Form, Unit
 
 CODES = (-9999.0, -999.0, 999.0, 9999.0, 32767.0, 65535.0, 99999.0)
 _REPEATED = 0.5  # of the rows: a value that is no measurement

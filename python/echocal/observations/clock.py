@@ -18,8 +18,6 @@ from echocal.observations.fields import fields, row, rows, shown, span
 from echocal.observations.numbers import NO_NUMBER
 from echocal.observations.plan import Assignment
 
-__all__ = ["YEARS", "Instants", "elapsed", "hour_angle", "instants", "zone_of"]
-
 Instants = NDArray[np.datetime64]
 
 _OFFSET = r"(?P<sign>[+-])(?P<hours>\d{1,2})(?::?(?P<minutes>\d\d))?"

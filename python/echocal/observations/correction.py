@@ -10,8 +10,6 @@ from echocal.model.indicated_speed import indication_law
 from echocal.model.shape import DISTANCE
 from echocal.observations.table import Observations
 
-__all__ = ["base_indication", "corrected_distance", "outside_smooth"]
-
 Column = NDArray[np.float64]
 
 

@@ -13,8 +13,6 @@ from echocal.errors import DataError, UsageError
 from echocal.keywords import keyword
 from echocal.observations.fields import row, shown
 
-__all__ = ["CLOCK", "DAY", "MONTH", "as_iso", "by_format", "unwrapped_clock"]
-
 DAY = re.compile(
     r"(?:(?P<y1>\d{4})[-/.](?P<m1>\d{1,2})[-/.](?P<d1>\d{1,2})"
     r"|(?P<a>\d{1,2})(?P<cut>[-/.])(?P<b>\d{1,2})(?P=cut)(?P<y2>\d{4}|\d{2}))"

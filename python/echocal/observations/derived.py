@@ -5,8 +5,6 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["derived"]
-
 Column = NDArray[np.float64]
 
 _WINDOW = 30.0  # s: what a rate is taken over at least, so that a thermometer's steps are no rates

@@ -16,8 +16,6 @@ if TYPE_CHECKING:
 
     import pandas as pd
 
-__all__ = ["doubtful_in", "note_of", "sensors_in"]
-
 _GAPS = 0.1  # of the rows with a reading: they would be lost for a quantity that is not needed
 _MOST = 0.5  # of them, for the temperature, which nearly every law needs
 _STEPS = (1e-3, 7 * 86400.0)  # s: between two rows of a log

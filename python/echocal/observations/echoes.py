@@ -14,8 +14,6 @@ from echocal.observations.fields import row
 from echocal.observations.part import Part
 from echocal.observations.plan import Assignment
 
-__all__ = ["DEFAULT_SPEED", "FirmwareSpeed", "disagreeing"]
-
 Column = NDArray[np.float64]
 
 DEFAULT_SPEED = "linear"

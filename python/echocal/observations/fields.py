@@ -13,8 +13,6 @@ import pandas as pd
 from echocal.errors import DataError
 from echocal.keywords import keyword
 
-__all__ = ["fields", "is_empty", "refuse_object", "row", "rows", "shown", "span"]
-
 _SCALARS = (str, Real, Decimal, np.bool_, np.datetime64, np.timedelta64, date, time, timedelta, pd.Period)
 _NONE = (None, pd.NA, pd.NaT)
 _WIDEST = 1024  # bits of an integer: more are beyond any float, and Python writes no more than 4,300 digits

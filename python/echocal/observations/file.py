@@ -16,8 +16,6 @@ from echocal.observations.heading import FIRST, head_in
 from echocal.observations.layout import CUT_SIGN, Head, Layout, said_no_text, seen_in
 from echocal.observations.limits import Guarded
 
-__all__ = ["BAG", "ULOG", "TextFile", "is_parquet"]
-
 _SAMPLE = 1 << 20  # bytes that show the encoding
 _ZIPPED = b"\x1f\x8b"
 _PARQUET = b"PAR1"

@@ -12,8 +12,6 @@ from echocal.keywords import keyword
 from echocal.observations.fields import rows, span
 from echocal.observations.layout import Head, Layout
 
-__all__ = ["CORRUPT", "CUT", "NOT_READ", "Found", "Join", "found_in", "keep", "pointed", "said_of", "told"]
-
 CORRUPT = "corrupt line"
 """Reason of a row with more fields than its header."""
 

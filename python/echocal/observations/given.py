@@ -13,8 +13,6 @@ from echocal.observations.options import ReadOptions
 from echocal.observations.reading import read_observations
 from echocal.observations.table import Observations
 
-__all__ = ["READ_OPTIONS", "mounted_options", "observed", "refuse_keywords"]
-
 READ_OPTIONS = tuple(one.name for one in fields(ReadOptions) if one.init)
 """Keywords of `echocal.read_observations`."""
 

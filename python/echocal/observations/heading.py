@@ -13,18 +13,6 @@ from echocal.observations.limits import refuse_names
 from echocal.observations.scanner import Scanner
 from echocal.observations.units import is_unit_row
 
-__all__ = [
-    "FIRST",
-    "SEPARATORS",
-    "decimal_of",
-    "fields_of",
-    "find_head",
-    "head_in",
-    "is_value",
-    "names_of",
-    "too_long",
-]
-
 SEPARATORS = ",;\t|"
 FIRST = 200  # lines that are looked at for the header
 _NUMBER = re.compile(r"[-+]?(?:\d[\d.,']*|[.,]\d+)(?:[eE][-+]?\d+)?")

@@ -28,9 +28,6 @@ from echocal.observations.vocabulary import (
     WORDS,
 )
 
-__all__ = ["Hint", "completed", "hint", "is_time_name", "of_ranger", "role_of", "role_of_unit"]
-
-
 _SHORT = 4  # letters of a word in a compound
 _KNOWN = frozenset().union(*(words for _, words in WORDS.values()), *NOT.values())
 

@@ -15,8 +15,6 @@ from echocal.observations.found import Join
 from echocal.observations.hints import hint
 from echocal.observations.units import NAMES
 
-__all__ = ["Clock", "clock_of", "counts_per_second", "joined", "spread"]
-
 Column = NDArray[np.float64]
 
 _REACH = 3.0

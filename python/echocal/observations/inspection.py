@@ -24,8 +24,6 @@ from echocal.observations.source import load
 from echocal.observations.table import Observations
 from echocal.observations.units import split_unit
 
-__all__ = ["Clock", "ColumnFacts", "Inspection", "inspect_log"]
-
 _BINS = 10
 _JUMP = 5.0  # usual steps
 _SHOWN = 5

@@ -11,8 +11,6 @@ from numpy.typing import NDArray
 from echocal.errors import DataError
 from echocal.observations.fields import fields, is_empty, refuse_object, row, shown
 
-__all__ = ["codes", "few_codes", "positions"]
-
 _FEW = 50  # different texts from which on a column holds remarks, not kinds
 
 

@@ -11,8 +11,6 @@ import numpy as np
 from echocal.errors import UsageError
 from echocal.keywords import keyword
 
-__all__ = ["CUT_SIGN", "NO_SIGN", "Head", "Layout", "said_no_text", "seen_in"]
-
 CUT_SIGN = "echocal.cut_sign"
 """How a file that is cut within a sign is decoded; anything else that is no text is an error."""
 

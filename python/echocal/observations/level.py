@@ -16,8 +16,6 @@ from echocal.observations.plan import Assignment, make
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["BESIDE", "fitted", "refuse_level", "refuse_unit"]
-
 Column = NDArray[np.float64]
 
 BESIDE = {"reading": ("reference_distance", "echo_time"), "reference_distance": ("reading", "echo_time")}

@@ -8,9 +8,6 @@ from typing import IO, Any
 
 from echocal.errors import DataError
 
-__all__ = ["CELLS", "COLUMNS", "DEPTH", "LINE", "LOG_LINE", "NAME", "WHOLE", "Guarded"]
-__all__ += ["from_json", "refuse_cells", "refuse_names", "too_long"]
-
 LINE = 1 << 22
 """Bytes of a line, or of a quoted field with the lines in it: 16,384 columns of 256 bytes; judgement."""
 

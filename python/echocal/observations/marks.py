@@ -11,16 +11,6 @@ from numpy.typing import NDArray
 from echocal.errors import ModelError
 from echocal.observations.table import Observations
 
-__all__ = [
-    "MARKS",
-    "NEIGHBORS",
-    "RowRule",
-    "apart_from_neighbors",
-    "marked",
-    "rules_from",
-    "seconds",
-]
-
 Column = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 Kind = Literal["equals", "at least", "at most", "during", "run", "far from reference", "far from neighbors"]

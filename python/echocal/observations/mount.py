@@ -8,16 +8,6 @@ from echocal.model import Model
 from echocal.observations.names import BELOW, EXTRA, IGNORE, by_request, is_level_name
 from echocal.observations.plan import Assignment, Plan
 
-__all__ = ["HEIGHT_FITTED", "LEAST", "MOUNT_HEIGHT", "holds_level", "is_level", "kept_height", "level_zero"]
-__all__ += [
-    "mount_height",
-    "mounted",
-    "mounted_as",
-    "refuse_unmounted",
-    "with_named_levels",
-    "without_height",
-]
-
 MOUNT_HEIGHT, HEIGHT_FITTED = "mount_height_m", "mount_height_fitted"
 """What a model keeps of the levels of its diagnosis."""
 _HEIGHTS = (0.0, 100.0)  # m: as far as a distance

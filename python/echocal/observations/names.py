@@ -5,20 +5,14 @@ from dataclasses import replace
 
 from echocal.errors import DataError, UsageError, among
 from echocal.keywords import command_line, keyword
-from echocal.observations.units import FORMS, NAMES, THERMOMETER, UNIT_WORDS, Form, symbol_of
-
-__all__ = [
-    "BELOW",
-    "EXTRA",
-    "IGNORE",
-    "INSPECT",
-    "by_name",
-    "by_request",
-    "is_level_name",
-    "looks_like",
-    "phrase",
-    "unit_of",
-]
+from echocal.observations.units import (
+    FORMS,
+    NAMES,
+    THERMOMETER,
+    UNIT_WORDS,
+    symbol_of,
+)
+from echocal.quantities import Form
 
 EXTRA = "extra"
 BELOW = " below "

@@ -15,20 +15,6 @@ from echocal.errors import DataError, UsageError, among
 from echocal.keywords import keyword
 from echocal.observations.fields import fields, row, shown
 
-__all__ = [
-    "EMPTY",
-    "EXACT",
-    "NO_ECHO",
-    "NO_NUMBER",
-    "NUMBER",
-    "SILENT",
-    "Damage",
-    "Missing",
-    "number_of",
-    "says_no_echo",
-    "to_numbers",
-]
-
 _GROUPED = re.compile(r"[-+]?\d{1,3}([.,' ])\d{3}(?:(?:\1\d{3})*(?!\1)[.,]\d+|(?:\1\d{3})+)")
 NUMBER = re.compile(r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?")
 _NOT_FINITE = re.compile(r"[-+]?(?:inf|infinity|nan)", re.IGNORECASE)  # what Arrow takes for numbers, too

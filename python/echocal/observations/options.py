@@ -10,8 +10,6 @@ from echocal.observations.layout import Layout
 from echocal.observations.mount import mounted, with_named_levels
 from echocal.observations.plan import read_columns
 
-__all__ = ["ReadOptions"]
-
 
 @dataclass(frozen=True, kw_only=True)
 class ReadOptions:

@@ -15,8 +15,6 @@ from echocal.observations.plan import Assignment
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["Part", "Seen"]
-
 Column = NDArray[np.float64]
 
 

@@ -9,9 +9,7 @@ from typing import Any
 from echocal.errors import DataError, UsageError, among
 from echocal.keywords import keyword
 from echocal.observations.names import EXTRA, IGNORE, by_name, by_request
-from echocal.observations.units import Form, Unit
-
-__all__ = ["EVERYTHING", "Assignment", "Plan", "make", "read_columns", "refuse_absent"]
+from echocal.quantities import Form, Unit
 
 EVERYTHING = "*"
 """Trusted in place of a column: no column is refused, however strange, for a diagnosis to explain."""

@@ -23,8 +23,6 @@ from echocal.observations.names import EXTRA, IGNORE, by_name, by_request, is_le
 from echocal.observations.units import NAMES, has_foreign_unit, split_unit, symbol_of
 from echocal.observations.vocabulary import LENGTH, LEVELS, TOKEN
 
-__all__ = ["Proposal", "codes_in", "propose", "unfit"]
-
 Column = NDArray[np.float64]
 
 

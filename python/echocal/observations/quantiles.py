@@ -11,8 +11,6 @@ from numpy.typing import NDArray
 
 from echocal import _core
 
-__all__ = ["MAD_TO_SD", "Grouped", "median", "quantiles", "spread"]
-
 MAD_TO_SD = 1.4826
 """Standard deviation over median absolute deviation, of a normal distribution: 1 / Phi^-1(3/4)."""
 

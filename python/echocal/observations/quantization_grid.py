@@ -5,8 +5,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["FINEST_STEP", "QuantizationGrid", "find_grid"]
-
 Column = NDArray[np.float64]
 
 FINEST_STEP = 2e-5

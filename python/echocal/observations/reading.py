@@ -15,8 +15,6 @@ if TYPE_CHECKING:
 
     from echocal.observations.found import Found, Join
 
-__all__ = ["read_observations", "understood"]
-
 
 def read_observations(
     source: Any,

@@ -16,8 +16,6 @@ from echocal.observations.found import CORRUPT, CUT
 from echocal.observations.layout import CUT_SIGN, Head
 from echocal.observations.limits import LINE, too_long
 
-__all__ = ["Block", "Scanner", "strings", "texts_of"]
-
 _MEND = 'remove it, or within a quoted field write it twice ("")'
 _SHOWN = 60  # characters of a line that a message shows
 

@@ -19,8 +19,6 @@ from echocal.observations.options import ReadOptions
 from echocal.observations.plan import Assignment, make, refuse_absent
 from echocal.observations.source import load
 
-__all__ = ["SecondLog", "second_log"]
-
 Column = NDArray[np.float64]
 
 _FEWEST = 3  # values of which one is predicted by its neighbors

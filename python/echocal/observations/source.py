@@ -17,8 +17,6 @@ from echocal.observations.file import TextFile
 from echocal.observations.layout import Layout
 from echocal.observations.limits import refuse_names
 
-__all__ = ["is_folder", "load", "refuse_unstreamed"]
-
 
 def load(source: Any, layout: Layout | None = None, *, sheet: str | None = None) -> pd.DataFrame:
     """Load a table, every row and every column of it.

@@ -17,8 +17,6 @@ from echocal.shown import Shown
 if TYPE_CHECKING:
     from echocal.observations.found import Join
 
-__all__ = ["Observations"]
-
 Column = NDArray[np.float64]
 
 

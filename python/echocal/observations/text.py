@@ -14,8 +14,6 @@ from echocal.observations.layout import Head
 from echocal.observations.numbers import EMPTY, EXACT
 from echocal.observations.scanner import Block, Scanner, texts_of
 
-__all__ = ["blocks_of", "read"]
-
 _PART = 1 << 24  # bytes that are scanned at a time
 _TRUTHS = {"True": True, "TRUE": True, "true": True, "False": False, "FALSE": False, "false": False}
 

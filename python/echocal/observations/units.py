@@ -5,20 +5,6 @@ import re
 from echocal.quantities import QUANTITIES, Form, Unit
 from echocal.quantities.units import LENGTH, ONE_WAY_TIME, TEMPERATURE, TIME, TWO_WAY_LENGTH, Units
 
-__all__ = [
-    "FORMS",
-    "NAMES",
-    "THERMOMETER",
-    "UNIT_WORDS",
-    "WRITTEN",
-    "Form",
-    "Unit",
-    "has_foreign_unit",
-    "is_unit_row",
-    "split_unit",
-    "symbol_of",
-]
-
 _ECHO = (0.0, 0.5)  # 86 m out and back: beyond any ranger in air
 _ECHOES = (5e-5, 0.5)  # 9 mm: below any ranger's blanking distance
 _RANGE = (0.0, 100.0)

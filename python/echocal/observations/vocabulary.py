@@ -2,26 +2,6 @@
 
 import re
 
-__all__ = [
-    "CLOCKS",
-    "CLOCK_UNITS",
-    "COUNTERS",
-    "ELAPSED",
-    "LENGTH",
-    "LETTERS",
-    "LEVELS",
-    "NEVER",
-    "NOT",
-    "NO_CLOCK",
-    "QUALITY",
-    "SINCE",
-    "STATISTIC",
-    "TIME",
-    "TIMES",
-    "TOKEN",
-    "WORDS",
-]
-
 LENGTH = ("m", "cm", "mm", "inch", "ft")
 TIME = ("us", "ms", "s")
 WORDS: dict[str, tuple[tuple[str, ...], set[str]]] = {

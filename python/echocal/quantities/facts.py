@@ -9,8 +9,6 @@ from echocal import _core
 from echocal.codes import HumidityCodes, TemperatureCodes
 from echocal.quantities.units import Unit
 
-__all__ = ["Form", "QuantityFacts", "Shown"]
-
 
 @dataclass(frozen=True)
 class Form:

@@ -16,8 +16,6 @@ from numpy.typing import NDArray
 from echocal.observations.dates import DAY
 from echocal.observations.found import Found
 
-__all__ = ["step"]
-
 _PIECES: dict[str, tuple[frozenset[str], tuple[int, int]]] = {
     "year": (frozenset({"year", "yyyy", "yr", "jahr", "annee", "año", "år"}), (1970, 2261)),
     "month": (frozenset({"month", "mon", "mo", "monat", "mois", "mes", "måned"}), (1, 12)),

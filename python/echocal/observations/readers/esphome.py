@@ -16,8 +16,6 @@ from echocal.observations.readers.pairs import pairs_of
 from echocal.observations.readers.stamps import Stamped, stamped
 from echocal.observations.units import NAMES, symbol_of
 
-__all__ = ["NAME", "read", "recognizes"]
-
 NAME = "log of ESPHome"
 
 _STATE = re.compile(

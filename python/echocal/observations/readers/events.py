@@ -15,8 +15,6 @@ from echocal.observations.in_time import clock_of, joined, spread
 from echocal.observations.readers.log import Log, numeric
 from echocal.observations.units import split_unit, symbol_of
 
-__all__ = ["Event", "changes_smoothly", "of_several_messages", "ranger_names", "rows_by_order", "rows_of"]
-
 Record = dict[str, Any]
 _LEADS = (
     "distance",

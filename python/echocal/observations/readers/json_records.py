@@ -9,8 +9,6 @@ from echocal.observations.limits import from_json
 from echocal.observations.readers.events import of_several_messages
 from echocal.observations.readers.log import Log
 
-__all__ = ["NAME", "flat", "read", "recognizes"]
-
 NAME = "JSON"
 
 _CHANNEL = "channel"

@@ -6,8 +6,6 @@ from typing import Any
 
 from echocal.observations.readers.log import Log
 
-__all__ = ["NAME", "read", "recognizes"]
-
 NAME = "line protocol of InfluxDB"
 
 _LINE = re.compile(

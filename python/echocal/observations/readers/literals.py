@@ -8,8 +8,6 @@ from typing import Any
 from echocal.observations.numbers import says_no_echo
 from echocal.observations.readers.log import Log
 
-__all__ = ["NAME", "read", "recognizes"]
-
 NAME = "printed tuples"
 
 _BEGIN = re.compile(r"\s*(?P<time>\d{1,2}:\d\d:\d\d(?:\.\d+)?\s*(?:->)?\s*)?(?P<rest>[\[({].*[\])}])\s*,?\s*")

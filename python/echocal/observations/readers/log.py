@@ -14,8 +14,6 @@ from echocal.observations.found import Join
 from echocal.observations.limits import refuse_cells, refuse_names
 from echocal.observations.numbers import NO_ECHO, NO_NUMBER, says_no_echo
 
-__all__ = ["Log", "numeric"]
-
 _WITHOUT = "line without values"
 
 

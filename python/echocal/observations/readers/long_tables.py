@@ -13,8 +13,6 @@ from echocal.observations.found import Found, Join, told
 from echocal.observations.in_time import Clock, clock_of, joined
 from echocal.observations.readers.events import changes_smoothly, ranger_names
 
-__all__ = ["step"]
-
 _NAMES = (
     "_field",
     "entity_id",

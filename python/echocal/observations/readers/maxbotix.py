@@ -9,8 +9,6 @@ from collections.abc import Sequence
 
 from echocal.observations.readers.log import Log
 
-__all__ = ["NAME", "read", "recognizes"]
-
 NAME = "serial output of a MaxBotix ranger"
 
 _LINE = re.compile(

@@ -10,8 +10,6 @@ from echocal.observations.readers.events import of_several_messages
 from echocal.observations.readers.json_records import flat
 from echocal.observations.readers.log import Log
 
-__all__ = ["NAME", "read", "recognizes"]
-
 NAME = "messages that end in JSON"
 
 _MESSAGE = re.compile(r"(?P<before>[^{]*[^{\s,;\"'=:]\s*[:=]?\s*['\"]?)(?P<json>\{.*\})['\")\]]*\s*")

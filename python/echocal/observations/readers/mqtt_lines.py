@@ -12,8 +12,6 @@ from echocal.observations.readers.events import Event, ranger_names, rows_of
 from echocal.observations.readers.json_records import flat
 from echocal.observations.readers.log import Log
 
-__all__ = ["NAME", "read", "recognizes"]
-
 NAME = "topics and payloads of MQTT"
 
 _LINE = re.compile(

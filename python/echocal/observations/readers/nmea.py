@@ -6,8 +6,6 @@ from collections.abc import Sequence
 from echocal.errors import DataError
 from echocal.observations.readers.log import Log
 
-__all__ = ["NAME", "read", "recognizes"]
-
 NAME = "sentences of NMEA 0183"
 
 _DEPTHS = {"DBK", "DBS", "DBT", "DPT"}

@@ -23,8 +23,6 @@ from echocal.observations.found import Found, Join, keep, told
 from echocal.observations.in_time import Clock, joined
 from echocal.observations.numbers import NO_ECHO
 
-__all__ = ["read"]
-
 Column = NDArray[np.float64]
 
 _SOUND = {ULOG: 1, BAG: 0}  # MAV_DISTANCE_SENSOR_ULTRASOUND; Range.ULTRASOUND

@@ -16,8 +16,6 @@ from echocal.observations.readers.pairs import Pair, pairs_of
 from echocal.observations.readers.stamps import Stamped, stamped
 from echocal.observations.units import FORMS, symbol_of
 
-__all__ = ["NAME", "read", "recognizes"]
-
 NAME = "lines of a serial monitor"
 
 _NUMBER = re.compile(r"[-+]?\d+(?:[.,]\d+)?")

@@ -17,8 +17,6 @@ from echocal.observations.limits import refuse_cells
 from echocal.observations.readers.log import numeric
 from echocal.observations.units import is_unit_row
 
-__all__ = ["NAME", "read"]
-
 NAME = "a spreadsheet"
 
 _SHEET = re.compile(r"xl/worksheets/[^/]+\.xml")

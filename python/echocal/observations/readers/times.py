@@ -16,8 +16,6 @@ from echocal.observations.in_time import counts_per_second
 from echocal.observations.numbers import NO_NUMBER
 from echocal.observations.units import NAMES
 
-__all__ = ["step"]
-
 _NAMELESS = re.compile(r"column \d+")
 _UNITS = {1.0: "time_s", 1e3: "time_ms", 1e6: "time_us"}
 _LOOK = 500

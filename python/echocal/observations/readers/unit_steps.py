@@ -24,8 +24,6 @@ from echocal.observations.names import EXTRA, by_name
 from echocal.observations.numbers import NO_NUMBER
 from echocal.observations.units import NAMES, split_unit, symbol_of
 
-__all__ = ["columns_named_by_unit", "repeated", "units_in_cells", "units_of_messages"]
-
 Column = NDArray[np.float64]
 
 _TIMES = ("us", "ms", "s")

@@ -7,8 +7,6 @@ from echocal.observations.heading import is_value
 from echocal.observations.readers.log import Log
 from echocal.observations.units import is_unit_row
 
-__all__ = ["NAME", "read", "recognizes", "words_of"]
-
 NAME = "columns with blanks between them"
 
 
