@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from echocal.arrays import Column, Labels, Mask
 from echocal.errors import DataError
 from echocal.keywords import keyword
 from echocal.model import Model
@@ -25,8 +26,6 @@ from echocal.observations.plan import EVERYTHING, Assignment, Plan
 from echocal.observations.table import Observations
 from echocal.observations.units import FORMS
 from echocal.quantities import QUANTITIES
-
-Column = NDArray[np.float64]
 
 
 @dataclass
@@ -181,9 +180,7 @@ class Assembly:
             return values - self.part.start
         return values - np.min(values, where=np.isfinite(values), initial=np.inf)
 
-    def _derived(
-        self, conditions: dict[str, Column], named: dict[str, NDArray[np.int64]]
-    ) -> Mapping[str, Column]:
+    def _derived(self, conditions: dict[str, Column], named: dict[str, Labels]) -> Mapping[str, Column]:
         return derived(conditions, named) if self.part is None else self.part.derived
 
     def _refuse_other_unit(self, values: Column, seen: tuple[float, float], source: Assignment) -> None:
@@ -216,13 +213,13 @@ class Assembly:
             first = row(np.flatnonzero(empty)[0])
             self.notes.append(f"{source.column} has no value in {rows(empty.sum())}, first at {first}")
 
-    def _mark(self, where: NDArray[np.bool_], reason: str, source: Assignment) -> None:
+    def _mark(self, where: Mask, reason: str, source: Assignment) -> None:
         """Give rows a reason code; the first reason stays."""
         if source.form.quantity == "reading" and "echo_time" in self.plan.assignments:
             return  # the echo time is there without it
         self._give(where, reason)
 
-    def _give(self, where: NDArray[np.bool_], reason: str) -> None:
+    def _give(self, where: Mask, reason: str) -> None:
         rows = np.flatnonzero(where)
         if len(rows):
             self.reasons.append(reason)
@@ -258,12 +255,12 @@ class Assembly:
         """How to say which column is the temperature."""
         return which_temperature(self.table, self.plan)
 
-    def _labels(self, name: str) -> NDArray[np.int64]:
+    def _labels(self, name: str) -> Labels:
         column = self.plan.assignments[name].column
         values = self.table[column]
         return labels.positions(values, column) if name == "order" else labels.codes(values, column)
 
-    def _extra(self) -> tuple[dict[str, Column], dict[str, NDArray[np.int64]]]:
+    def _extra(self) -> tuple[dict[str, Column], dict[str, Labels]]:
         """Other columns that hold numbers, and the codes of those that hold few different texts."""
         found, texts = {}, {}
         for column in (*self.plan.others, *self.plan.several):

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
+from echocal.arrays import Column, Mask
 from echocal.errors import DataError
 from echocal.keywords import keyword
 from echocal.observations.clock import YEARS
@@ -22,8 +22,6 @@ from echocal.quantities import QUANTITIES, Form, Unit
 CODES = (-9999.0, -999.0, 999.0, 9999.0, 32767.0, 65535.0, 99999.0)
 _REPEATED = 0.5  # of the rows: a value that is no measurement
 
-Column = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 Ends = tuple[float, float]
 
 

@@ -11,6 +11,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from echocal.arrays import Column, Mask
 from echocal.errors import DataError, UsageError
 from echocal.keywords import keyword
 from echocal.observations.dates import as_iso, by_format
@@ -28,8 +29,6 @@ _AUTUMN = 30 * 86400.0  # s: two clock changes are further apart
 
 YEARS = (1678, 2261)
 """First and last year that 64 bits of nanoseconds hold as a whole; beyond, they would wrap around."""
-Column = NDArray[np.float64]
-
 _FIRST = np.datetime64("1990-01-01", "ns")  # clocks that were not set begin in 1970 or 1980
 _SURE = np.datetime64("2000-01-01", "ns")
 
@@ -48,7 +47,7 @@ _USUAL = (2e-3, 7 * 86400.0)  # s: steps in another unit that are offered
 
 def instants(
     values: pd.Series[Any], column: str, time_zone: str, time_format: str | None = None
-) -> tuple[Instants, NDArray[np.bool_]]:
+) -> tuple[Instants, Mask]:
     """Instants in UTC of a column of texts or of datetimes, and which lie outside `YEARS`.
 
     An instant is NaT where the field is empty or outside. Raises `DataError` if a field is no time, or a
@@ -97,7 +96,7 @@ def zone_of(column: str, time_zone: str) -> str:
     return f"{said['sign']}{int(said['hours']):02d}:{said['minutes'] or '00'}"
 
 
-def elapsed(times: Instants, start: object = None) -> NDArray[np.float64]:
+def elapsed(times: Instants, start: object = None) -> Column:
     """Seconds since the earliest time, or since a given instant in UTC; NaN where there is none."""
     if not isinstance(start, np.datetime64):
         known = times[~np.isnat(times)]
@@ -105,7 +104,7 @@ def elapsed(times: Instants, start: object = None) -> NDArray[np.float64]:
     return np.asarray((times - start) / np.timedelta64(1, "s"), dtype=np.float64)
 
 
-def hour_angle(times: Instants, time_zone: str) -> NDArray[np.float64]:
+def hour_angle(times: Instants, time_zone: str) -> Column:
     """Hour angle of the local clock at each instant, 0 at noon, within half a turn [rad]; NaN without time.
 
     Examples
@@ -134,9 +133,7 @@ def _zone(name: str) -> tzinfo:
         ) from None
 
 
-def _parse(
-    values: pd.Series[Any], column: str, far: NDArray[np.bool_], time_format: str | None
-) -> pd.Series[Any]:
+def _parse(values: pd.Series[Any], column: str, far: Mask, time_format: str | None) -> pd.Series[Any]:
     """Times of texts; marks in `far` those that the resolution of the others cannot hold."""
     texts = fields(values, column)
     texts = texts.where(~texts.isin(NO_NUMBER), "")
@@ -193,7 +190,7 @@ def _localize(times: pd.Series[Any], column: str, zone: tzinfo) -> pd.Series[Any
     return local
 
 
-def _summer(times: pd.Series[Any], twice: NDArray[np.intp]) -> NDArray[np.bool_] | None:
+def _summer(times: pd.Series[Any], twice: NDArray[np.intp]) -> Mask | None:
     """Which of the local times that occur twice are in summer time, by the order of the rows.
 
     The hour comes a second time after a row. That row is the one after which the steps between rows are the
@@ -217,7 +214,7 @@ def _summer(times: pd.Series[Any], twice: NDArray[np.intp]) -> NDArray[np.bool_]
     return summer
 
 
-def not_set(times: Instants) -> NDArray[np.bool_]:
+def not_set(times: Instants) -> Mask:
     """Rows before 1990 in a table most of whose rows are from 2000 or later: the clock was not set yet.
 
     Examples

@@ -3,14 +3,13 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from echocal.arrays import Column
 from echocal.errors import DataError
 from echocal.keywords import keyword
 from echocal.model import Model, Smooth
 from echocal.model.indicated_speed import indication_law
 from echocal.model.shape import DISTANCE
 from echocal.observations.table import Observations
-
-Column = NDArray[np.float64]
 
 
 def base_indication(observations: Observations, law: str) -> Column:

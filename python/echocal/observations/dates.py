@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
+from echocal.arrays import Column
 from echocal.errors import DataError, UsageError
 from echocal.keywords import keyword
 from echocal.observations.fields import row, shown
@@ -89,7 +89,7 @@ def as_iso(texts: pd.Series[Any], column: str) -> pd.Series[Any]:
     return pd.Series(iso, index=filled.index, dtype=object).reindex(texts.index, fill_value="")
 
 
-def unwrapped_clock(texts: pd.Series[Any]) -> NDArray[np.float64]:
+def unwrapped_clock(texts: pd.Series[Any]) -> Column:
     """Seconds from the first midnight of times of day; a clock that falls back by hours has passed midnight.
 
     Examples

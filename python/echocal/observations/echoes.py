@@ -4,17 +4,15 @@ import warnings
 from collections.abc import Callable, Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
 from echocal import _core
+from echocal.arrays import Column, Mask
 from echocal.errors import DataError, DomainWarning, UsageError
 from echocal.keywords import keyword
 from echocal.model import Model
 from echocal.observations.fields import row
 from echocal.observations.part import Part
 from echocal.observations.plan import Assignment
-
-Column = NDArray[np.float64]
 
 DEFAULT_SPEED = "linear"
 """Law that the firmware is assumed to use if the user does not state one."""
@@ -71,7 +69,7 @@ class FirmwareSpeed:
             return False
         return True
 
-    def echo_time(self, reading: Column, usable: NDArray[np.bool_]) -> Column:
+    def echo_time(self, reading: Column, usable: Mask) -> Column:
         """Echo time [s] of a reading [m].
 
         Raises `DataError` if the speed is none that a usable row can have been made with.
@@ -142,7 +140,7 @@ def disagreeing(
     speed: FirmwareSpeed,
     sources: tuple[Assignment, Assignment],
     part: Part | None = None,
-) -> NDArray[np.bool_]:
+) -> Mask:
     """Rows whose reading is not what the firmware makes of the echo time.
 
     Raises `DataError` if that is most rows.

@@ -4,8 +4,8 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from echocal.arrays import Column, Mask
 from echocal.errors import DataError, UsageError
 from echocal.keywords import keyword
 from echocal.observations.mount import LEAST, is_level, without_height
@@ -15,8 +15,6 @@ from echocal.observations.plan import Assignment, make
 
 if TYPE_CHECKING:
     import pandas as pd
-
-Column = NDArray[np.float64]
 
 BESIDE = {"reading": ("reference_distance", "echo_time"), "reference_distance": ("reading", "echo_time")}
 """Quantities that tell the distance beside a level, the first of them first."""
@@ -81,9 +79,7 @@ def _length(values: Column, of: Assignment) -> Column:
     return 0.5 * _SPEED * values if of.form.quantity == "echo_time" else values
 
 
-def refuse_unit(
-    level: Column, beside: Column, usable: NDArray[np.bool_], own: Assignment, other: Assignment
-) -> None:
+def refuse_unit(level: Column, beside: Column, usable: Mask, own: Assignment, other: Assignment) -> None:
     """Refuse a level that changes by another power of ten than the distance beside it.
 
     Parameters
@@ -129,7 +125,7 @@ def refuse_level(
     reference: Column,
     reading: Column | None,
     echo_time: Column,
-    usable: NDArray[np.bool_],
+    usable: Mask,
     column: str,
     name: str,
 ) -> None:

@@ -8,11 +8,10 @@ from typing import Any, Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
+from echocal.arrays import Column, Mask
 from echocal.errors import ModelError
 from echocal.observations.table import Observations
 
-Column = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 Kind = Literal["equals", "at least", "at most", "during", "run", "far from reference", "far from neighbors"]
 
 MARKS = "row_marks"

@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
+from echocal.arrays import Column
 from echocal.errors import DataError, UsageError, among
 from echocal.keywords import keyword
 from echocal.observations.fields import fields, row, shown
@@ -49,7 +49,6 @@ NO_NUMBER = EMPTY | {
 
 _FEW = 10  # of so many fields, one may be no number
 
-Column = NDArray[np.float64]
 NO_ECHO = "no echo"
 """Reason of a row whose line says that no echo came."""
 

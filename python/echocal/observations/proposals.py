@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
+from echocal.arrays import Column
 from echocal.errors import EchocalError
 from echocal.keywords import command_line
 from echocal.observations.alike import follows
@@ -22,8 +22,6 @@ from echocal.observations.hints import completed, hint, is_time_name, role_of, r
 from echocal.observations.names import EXTRA, IGNORE, by_name, by_request, is_level_name
 from echocal.observations.units import NAMES, has_foreign_unit, split_unit, symbol_of
 from echocal.observations.vocabulary import LENGTH, LEVELS, TOKEN
-
-Column = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

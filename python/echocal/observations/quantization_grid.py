@@ -3,9 +3,8 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-Column = NDArray[np.float64]
+from echocal.arrays import Column
 
 FINEST_STEP = 2e-5
 """Smallest step of a device's readings [m]; a smaller one comes from arithmetic."""

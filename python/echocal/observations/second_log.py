@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
+from echocal.arrays import Column
 from echocal.errors import DataError, UsageError
 from echocal.keywords import keyword
 from echocal.observations import clock
@@ -18,8 +18,6 @@ from echocal.observations.numbers import Missing, to_numbers
 from echocal.observations.options import ReadOptions
 from echocal.observations.plan import Assignment, make, refuse_absent
 from echocal.observations.source import load
-
-Column = NDArray[np.float64]
 
 _FEWEST = 3  # values of which one is predicted by its neighbors
 _APART = 1.5

@@ -10,14 +10,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from echocal.arrays import Column
 from echocal.errors import DataError
 from echocal.keywords import keyword
 from echocal.shown import Shown
 
 if TYPE_CHECKING:
     from echocal.observations.found import Join
-
-Column = NDArray[np.float64]
 
 
 @dataclass(frozen=True, repr=False)

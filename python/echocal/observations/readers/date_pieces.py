@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
+from echocal.arrays import Column
 from echocal.observations.dates import DAY
 from echocal.observations.found import Found
 
@@ -131,7 +131,7 @@ def _columns(table: pd.DataFrame) -> dict[str, str]:
     return found
 
 
-def _in_hours(values: dict[str, NDArray[np.float64]], used: dict[str, str]) -> dict[str, NDArray[np.float64]]:
+def _in_hours(values: dict[str, Column], used: dict[str, str]) -> dict[str, Column]:
     """The values, with hours in place of hours and minutes as one number; NaN where no clock shows it."""
     if "hour" not in values or "minute" in values:
         return values
@@ -149,12 +149,12 @@ def _clock(columns: dict[str, str]) -> list[str]:
     return [p for p in ("hour", "minute", "second") if p in columns and _COARSER.get(p, p) in columns]
 
 
-def _numbers(values: pd.Series[Any]) -> NDArray[np.float64]:
+def _numbers(values: pd.Series[Any]) -> Column:
     numbers = pd.to_numeric(values, errors="coerce")
     return np.asarray(numbers.to_numpy(dtype=np.float64, na_value=np.nan))
 
 
-def _is_piece(piece: str, values: NDArray[np.float64], finest: bool) -> bool:
+def _is_piece(piece: str, values: Column, finest: bool) -> bool:
     """Whether the values may be this piece; only the finest one may have a fraction."""
     low, high = _PIECES[piece][1]
     sound = (values >= low) & (values < high + 1)
@@ -163,11 +163,11 @@ def _is_piece(piece: str, values: NDArray[np.float64], finest: bool) -> bool:
     return bool(len(values)) and float(sound.mean()) >= _SOUND
 
 
-def _seconds_of(days: NDArray[np.float64]) -> NDArray[np.float64]:
+def _seconds_of(days: Column) -> Column:
     return np.round(86400.0 * days, _DIGITS)
 
 
-def _dates(values: dict[str, NDArray[np.float64]]) -> pd.Series[Any]:
+def _dates(values: dict[str, Column]) -> pd.Series[Any]:
     """Midnights, and the fraction of a day; none where a piece is missing or impossible."""
     if "month" in values:
         parts = {"year": values["year"], "month": values["month"], "day": np.floor(values["day"])}

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
+from echocal.arrays import Column, Labels, Mask
 from echocal.observations.found import Found, Join, told
 from echocal.observations.in_time import Clock, clock_of, joined
 from echocal.observations.readers.events import changes_smoothly, ranger_names
@@ -35,8 +35,6 @@ _TIMES = (
 )
 _UNITS = ("unit", "unit_of_measurement", "units", "einheit")
 _MOST = 50
-
-Column = NDArray[np.float64]
 
 
 def step(table: pd.DataFrame, found: Found) -> tuple[pd.DataFrame, Found]:
@@ -81,9 +79,9 @@ def step(table: pd.DataFrame, found: Found) -> tuple[pd.DataFrame, Found]:
 def _of_each(
     clock: Clock,
     values: Column,
-    sensors: NDArray[np.int64],
-    own: NDArray[np.bool_],
-    where: NDArray[np.bool_],
+    sensors: Labels,
+    own: Mask,
+    where: Mask,
     *,
     smooth: bool,
 ) -> tuple[Column, Join]:
@@ -103,7 +101,7 @@ def _of_each(
     return taken, replace(longest, without=sum(join.without for join in joins))
 
 
-def _sensors(tags: pd.DataFrame) -> NDArray[np.int64]:
+def _sensors(tags: pd.DataFrame) -> Labels:
     """Number of the sensor that each row is of, by its tags."""
     if tags.empty:
         return np.zeros(len(tags), dtype=np.int64)

@@ -15,15 +15,13 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
+from echocal.arrays import Column
 from echocal.errors import DataError
 from echocal.observations.file import BAG, ULOG
 from echocal.observations.found import Found, Join, keep, told
 from echocal.observations.in_time import Clock, joined
 from echocal.observations.numbers import NO_ECHO
-
-Column = NDArray[np.float64]
 
 _SOUND = {ULOG: 1, BAG: 0}  # MAV_DISTANCE_SENSOR_ULTRASOUND; Range.ULTRASOUND
 _PX4 = {

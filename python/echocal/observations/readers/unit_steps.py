@@ -14,8 +14,8 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
+from echocal.arrays import Column
 from echocal.errors import DataError
 from echocal.observations.alike import echo_speed, is_set, resolution
 from echocal.observations.found import Found
@@ -23,8 +23,6 @@ from echocal.observations.hints import hint, role_of
 from echocal.observations.names import EXTRA, by_name
 from echocal.observations.numbers import NO_NUMBER
 from echocal.observations.units import NAMES, split_unit, symbol_of
-
-Column = NDArray[np.float64]
 
 _TIMES = ("us", "ms", "s")
 _LENGTHS = ("m", "cm", "mm", "inch", "ft")
