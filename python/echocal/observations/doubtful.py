@@ -21,21 +21,9 @@ _MOST = 0.5  # of them, for the temperature, which nearly every law needs
 _STEPS = (1e-3, 7 * 86400.0)  # s: between two rows of a log
 _CODES = 10  # different values: a quality number has more, a flag of a quality control has fewer
 _NAMES = (
-    "sensor",
-    "sensor_id",
-    "device",
-    "device_id",
-    "dev_eui",
-    "deveui",
-    "node",
-    "unit",
-    "id",
-    "mac",
-    "host",
-    "station_id",
-    "serial",
-    "sn",
-)
+    "sensor", "sensor_id", "device", "device_id", "dev_eui", "deveui", "node", "unit", "id", "mac", "host",
+    "station_id", "serial", "sn",
+)  # fmt: skip
 _FEW = 5  # rows of a sensor on average, at least
 
 

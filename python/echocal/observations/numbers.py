@@ -30,21 +30,8 @@ EMPTY = frozenset(
 """Texts that mean "no value" in any column."""
 
 NO_NUMBER = EMPTY | {
-    *(
-        "-",
-        "--",
-        "---",
-        "#NV",
-        "n.a.",
-        "none",
-        "undefined",
-        "unavailable",
-        "unknown",
-        "Nan",
-        "INF",
-        "-INF",
-    )
-}
+    "-", "--", "---", "#NV", "n.a.", "none", "undefined", "unavailable", "unknown", "Nan", "INF", "-INF",
+}  # fmt: skip
 """Texts that mean "no value" in a column of numbers."""
 
 _FEW = 10  # of so many fields, one may be no number

@@ -6,16 +6,9 @@ from echocal.quantities.table import ENTRIES
 from echocal.quantities.units import Unit
 
 __all__ = [
-    "AIR",
-    "BY_COLUMN",
-    "DEFAULTS",
-    "FROM_THERMOMETERS",
-    "QUANTITIES",
-    "Form",
-    "QuantityFacts",
-    "Shown",
+    "AIR", "BY_COLUMN", "DEFAULTS", "FROM_THERMOMETERS", "QUANTITIES", "Form", "QuantityFacts", "Shown",
     "Unit",
-]
+]  # fmt: skip
 
 
 _BY_NAME = {facts.id: facts for facts in ENTRIES}

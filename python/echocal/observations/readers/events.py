@@ -17,18 +17,9 @@ from echocal.observations.units import split_unit, symbol_of
 
 Record = dict[str, Any]
 _LEADS = (
-    "distance",
-    "dist",
-    "abstand",
-    "entfernung",
-    "echo",
-    "reading",
-    "range",
-    "ultrasonic",
-    "sonar",
-    "tank",
+    "distance", "dist", "abstand", "entfernung", "echo", "reading", "range", "ultrasonic", "sonar", "tank",
     "level",
-)
+)  # fmt: skip
 _LENGTHS = {"m", "cm", "mm", "inch", "ft"}
 _AIR_UNITS = {"C", "F", "K", "percent", "Pa", "hPa", "kPa", "mbar", "ppm", "m_s", "km_h", "W_m2", "lux"}
 _AIR = (

@@ -14,18 +14,9 @@ from echocal.observations.in_time import Clock, clock_of, joined
 from echocal.observations.readers.events import changes_smoothly, ranger_names
 
 _NAMES = (
-    "_field",
-    "entity_id",
-    "metric",
-    "field",
-    "sensor_type",
-    "variable",
-    "parameter",
-    "measurement",
-    "series",
-    "topic",
-    "quantity",
-)
+    "_field", "entity_id", "metric", "field", "sensor_type", "variable", "parameter", "measurement",
+    "series", "topic", "quantity",
+)  # fmt: skip
 _ALSO_SENSORS = ("type", "sensor", "name", "channel", "key", "kind", "sensor_name")
 """Names of columns that may as well say which sensor a row is of: then all of them are rangers."""
 _VALUES = ("_value", "state", "value", "payload", "wert")
