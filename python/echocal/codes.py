@@ -127,10 +127,7 @@ Codes = TypeVar("Codes", EchoCodes, TemperatureCodes, HumidityCodes)
 def codes_of(name: str, kind: type[Codes], request: Any) -> Codes:
     """Return codes of a kind, from such codes or from a tuple of numbers.
 
-    Raises
-    ------
-    UsageError
-        If it is neither.
+    Raises `UsageError` if it is neither.
     """
     try:
         codes = request if isinstance(request, kind) else kind(*map(float, request))
@@ -149,10 +146,7 @@ def numbers(
 ) -> tuple[float, float, float, float, int]:
     """Return step, ends, value of code 0 and dropped bits, as the core takes them.
 
-    Raises
-    ------
-    UsageError
-        If the number of dropped bits is no whole number.
+    Raises `UsageError` if the number of dropped bits is no whole number.
     """
     shift = count(f"the shift of {name}", codes.shift, _MOST_SHIFT, least=0)
     return float(codes.lsb), float(codes.low), float(codes.high), float(codes.zero), shift
@@ -187,10 +181,7 @@ def value_at(axis: Mapping[str, Any], code: Any) -> Any:
 def count(name: str, value: float, most: int, *, least: int | None = None) -> int:
     """Return a whole number.
 
-    Raises
-    ------
-    UsageError
-        If it is none, or outside `least` .. `most`.
+    Raises `UsageError` if it is none, or outside `least` .. `most`.
     """
     whole = isinstance(value, Real) and not isinstance(value, bool) and float(value).is_integer()
     if not whole or abs(value) > most or (least is not None and value < least):

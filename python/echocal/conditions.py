@@ -33,6 +33,8 @@ def columns(
 ) -> tuple[tuple[int, ...], list[NDArray[np.float64]]]:
     """Broadcast a column and its conditions against each other.
 
+    Raises `UsageError` if a name is unknown, a value is no real number, or the shapes cannot be broadcast.
+
     Parameters
     ----------
     first : array_like
@@ -47,11 +49,6 @@ def columns(
         The common shape.
     list of ndarray
         The column, then one flat array per quantity, all of the same length.
-
-    Raises
-    ------
-    UsageError
-        If a name is unknown, a value is no real number, or the shapes cannot be broadcast.
     """
     refuse_unknown(conditions)
     given = {name: value for name, value in conditions.items() if value is not None}

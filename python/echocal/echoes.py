@@ -57,6 +57,8 @@ class Accepted:
 def accepted(model: _core.Model, request: Mapping[str, Any], echo: Echo) -> Accepted:
     """Return the echo times that a device accepts.
 
+    Raises `UsageError` if a default end leaves no echo time between the two.
+
     Parameters
     ----------
     model : _core.Model
@@ -71,11 +73,6 @@ def accepted(model: _core.Model, request: Mapping[str, Any], echo: Echo) -> Acce
     -------
     Accepted
         The accepted echo times. The core refuses ends that are not codes.
-
-    Raises
-    ------
-    UsageError
-        If a default end leaves no echo time between the two.
     """
     asked = _asked(echo)
     tick, shortest, longest, bits = float(asked.lsb), asked.shortest, asked.longest, int(asked.bits)

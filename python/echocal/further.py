@@ -16,12 +16,8 @@ _OWN = {"temperature": "temperature", "relative_humidity": "humidity", "echo_tim
 def further_of(request: FurtherCodes | str, reads: Collection[str]) -> FurtherCodes:
     """Return the codes of a further input, from such codes or from ``QUANTITY=LOW:HIGH:LSB[:ZERO[:SHIFT]]``.
 
-    `reads` are the quantities that the model depends on.
-
-    Raises
-    ------
-    UsageError
-        If it is neither, if no device has codes of the quantity, or if nothing depends on it.
+    `reads` are the quantities that the model depends on. Raises `UsageError` if it is neither, if no device
+    has codes of the quantity, or if nothing depends on it.
 
     Examples
     --------

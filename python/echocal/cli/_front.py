@@ -172,10 +172,8 @@ def command(
 def _settled(log: Path, known: _Answers, yes: bool, console: Console) -> Inspection:
     """Settle what the log does not say: by flags, else by the person; as many questions as it takes.
 
-    Raises
-    ------
-    DataError
-        If a question is open and nobody is there, with all flags that answer; or if the log cannot be read.
+    Raises `DataError` if a question is open and nobody is there, with all flags that answer; or if the log
+    cannot be read.
     """
     person = sys.stdin is not None and sys.stdin.isatty()
     found = inspect_log(log, known.reading)

@@ -42,10 +42,7 @@ Uncertain: TypeAlias = Annotated[
 def model_of(law: str | None, path: Path | None, effects: Sequence[str] | None) -> Model:
     """Model of a file, or of a law and effects.
 
-    Raises
-    ------
-    UsageError
-        If both are given, or an effect is not of the form ``ID:NAME=VALUE,...``.
+    Raises `UsageError` if both are given, or an effect is not of the form ``ID:NAME=VALUE,...``.
     """
     if path is None:
         return Model(law or "cramer", dict(_effect(text) for text in effects or ()))

@@ -67,17 +67,14 @@ def stated(name: str) -> bool:
 def refuse_others(used: Iterable[str], but: str) -> None:
     """Refuse options that the user gives and that the running command does not use this time.
 
+    Raises `UsageError` with each of them.
+
     Parameters
     ----------
     used : iterable of str
         Names of the parameters that it uses.
     but : str
         What it does instead, and the way out.
-
-    Raises
-    ------
-    UsageError
-        With each of them.
     """
     useless = sorted(map(keyword, _stated.get() - {*used}))
     if useless:
@@ -87,10 +84,7 @@ def refuse_others(used: Iterable[str], but: str) -> None:
 def refuse_useless(context: typer.Context) -> None:
     """Take note of the options that the user gives; refuse those without the one that they belong to.
 
-    Raises
-    ------
-    UsageError
-        With both.
+    Raises `UsageError` with both.
     """
     flags = {own.name or "": own.opts[0] for own in context.command.params}
     sources = {name: context.get_parameter_source(name) for name in flags}

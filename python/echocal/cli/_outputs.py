@@ -98,6 +98,8 @@ def check_outputs(
 ) -> None:
     """Refuse outputs that cannot be written, or that would destroy a file of the user's.
 
+    Raises `UsageError` with the option, the file and the way out.
+
     Parameters
     ----------
     *outputs : Output
@@ -110,11 +112,6 @@ def check_outputs(
         Whether files that the command did not make may be replaced; an input never.
     told : bool
         Whether the command itself says what it writes.
-
-    Raises
-    ------
-    UsageError
-        With the option, the file and the way out.
     """
     if folder is not None:
         _refuse_folder(folder)
@@ -195,10 +192,7 @@ def _refuse_replacing(option: str, file: Path) -> None:
 def refuse_picture(path: Path | None) -> None:
     """Refuse a picture of another format than those that the help names.
 
-    Raises
-    ------
-    UsageError
-        If the ending is none of them.
+    Raises `UsageError` if the ending is none of them.
     """
     if path is not None and path.suffix.lower() not in (".png", ".svg", ".pdf"):
         told = f"the ending '{path.suffix}'" if path.suffix else "no ending"

@@ -105,10 +105,7 @@ def diagnose_sensors(
 ) -> None:
     """Diagnose each sensor, and write and print the verdicts.
 
-    Raises
-    ------
-    DataError
-        If a sensor cannot be diagnosed; everything is written then.
+    Raises `DataError` if a sensor cannot be diagnosed; everything is written then.
     """
     from echocal.fleet import diagnose_fleet
     from echocal.report.several import print_fleet

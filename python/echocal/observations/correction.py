@@ -26,13 +26,9 @@ def base_indication(observations: Observations, law: str) -> Column:
 def corrected_distance(observations: Observations, model: Model) -> Column:
     """Distance [m], shape (n,), by a model; NaN in unusable rows.
 
-    Effects of the firmware and of the indication count too: the model inverts the whole chain
-    from the indication of its own law, as it was fitted.
-
-    Raises
-    ------
-    DataError
-        If the model needs a condition that the table does not have.
+    Effects of the firmware and of the indication count too: the model inverts the whole chain from the
+    indication of its own law, as it was fitted. Raises `DataError` if the model needs a condition that the
+    table does not have.
     """
     indication = base_indication(observations, indication_law(model))
     try:

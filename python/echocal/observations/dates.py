@@ -30,12 +30,7 @@ _CENTURY = 2000
 def by_format(texts: pd.Series[Any], column: str, time_format: str) -> pd.Series[Any]:
     """Times by a format of `datetime.strptime`.
 
-    Raises
-    ------
-    DataError
-        If a field is not written so.
-    UsageError
-        If the format is none.
+    Raises `DataError` if a field is not written so, and `UsageError` if the format is none.
     """
     filled = texts != ""
     try:
@@ -56,10 +51,7 @@ def by_format(texts: pd.Series[Any], column: str, time_format: str) -> pd.Series
 def as_iso(texts: pd.Series[Any], column: str) -> pd.Series[Any]:
     """Texts in ISO 8601 where all are dates in one other way of writing; else as they are.
 
-    Raises
-    ------
-    DataError
-        If day and month cannot be told apart.
+    Raises `DataError` if day and month cannot be told apart.
 
     Examples
     --------

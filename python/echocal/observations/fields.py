@@ -58,10 +58,7 @@ def shown(text: str) -> str:
 def fields(values: pd.Series[Any], column: str) -> pd.Series[Any]:
     """Text of each field without blanks around it; empty where there is no value.
 
-    Raises
-    ------
-    DataError
-        If a field is neither text nor a single value: a list, bytes, a signaling NaN.
+    Raises `DataError` if a field is neither text nor a single value: a list, bytes, a signaling NaN.
 
     Examples
     --------

@@ -37,6 +37,8 @@ _DATABASE = ".db3"  # of ROS 2: SQLite, which other programs use, too
 class TextFile:
     """A file of a table: text, gzipped or not, unless its first bytes say otherwise.
 
+    Raises `DataError` if it cannot be opened, is of a kind that is not read, or does not begin as text does.
+
     Parameters
     ----------
     path : Path
@@ -55,11 +57,6 @@ class TextFile:
         Lines that the layout skips.
     first : list of str
         The lines below, as far as a format or a header is looked for.
-
-    Raises
-    ------
-    DataError
-        If it cannot be opened, is of a kind that is not read, or does not begin as text does.
     """
 
     def __init__(self, path: Path, layout: Layout) -> None:
@@ -91,10 +88,7 @@ class TextFile:
     def head(self) -> Head:
         """The header of delimited text; the separator is the one that it has most of.
 
-        Raises
-        ------
-        DataError
-            If the file is not delimited text.
+        Raises `DataError` if the file is not delimited text.
         """
         return head_in(list(self.first), self.layout, str(self.path))
 
@@ -113,10 +107,7 @@ class TextFile:
     def opened(self) -> Iterator[IO[bytes]]:
         """Open it for its bytes, unpacked.
 
-        Raises
-        ------
-        DataError
-            If they cannot be unpacked, or are decoded meanwhile and are no text.
+        Raises `DataError` if they cannot be unpacked, or are decoded meanwhile and are no text.
         """
         with _opened(self.path) as file, self._unpacked(file) as data:
             yield data

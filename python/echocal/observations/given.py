@@ -22,6 +22,9 @@ def observed(
 ) -> Observations:
     """Return the observations that a function was given, or read them from a table.
 
+    Raises `TypeError` if the caller has no such keyword, and `UsageError` if keywords for reading are given
+    with observations.
+
     Parameters
     ----------
     given : Observations, path, DataFrame of any library, or mapping of str to array_like
@@ -33,13 +36,6 @@ def observed(
         Law or speed [m/s] that the device converts with, where they do not say; empty for the default.
     model : Model, optional
         Its height of the sensor is that of levels, where they do not say.
-
-    Raises
-    ------
-    TypeError
-        If the caller has no such keyword.
-    UsageError
-        If keywords for reading are given with observations.
     """
     refuse_keywords(caller, how, READ_OPTIONS)
     if isinstance(given, Observations):

@@ -34,13 +34,8 @@ def fitted(
     """Meanings of columns, each level with the height that distances beside it tell, and a sentence on it.
 
     The height is the middle of level + distance, to the millimeter. What it is wrong by is a zero error.
-
-    Raises
-    ------
-    UsageError
-        If nothing beside a level tells a distance.
-    DataError
-        If a level does not rise where the distance falls.
+    Raises `UsageError` if nothing beside a level tells a distance, and `DataError` if a level does not rise
+    where the distance falls.
     """
     found, said = dict(requests), []
     open_ = [name for name, own in requests.items() if BELOW not in own and is_level(name, own)]
@@ -82,6 +77,8 @@ def _length(values: Column, of: Assignment) -> Column:
 def refuse_unit(level: Column, beside: Column, usable: Mask, own: Assignment, other: Assignment) -> None:
     """Refuse a level that changes by another power of ten than the distance beside it.
 
+    Raises `DataError` with what both change by, and the unit in which they agree.
+
     Parameters
     ----------
     level, beside : ndarray, shape (n,)
@@ -89,11 +86,6 @@ def refuse_unit(level: Column, beside: Column, usable: Mask, own: Assignment, ot
     usable : ndarray of bool, shape (n,)
     own, other : Assignment
         Their columns.
-
-    Raises
-    ------
-    DataError
-        With what both change by, and the unit in which they agree.
     """
     known = usable & np.isfinite(level) & np.isfinite(beside)
     if known.sum() < LEAST:
@@ -131,6 +123,8 @@ def refuse_level(
 ) -> None:
     """Refuse a reference distance whose sum with the reading is nearly constant, and their difference is not.
 
+    Raises `DataError` if it looks like a level.
+
     Parameters
     ----------
     reference : ndarray, shape (n,)
@@ -142,11 +136,6 @@ def refuse_level(
     usable : ndarray of bool, shape (n,)
     column, name : str
         Name of the column, and what it was taken for (``distance_m``), for the message.
-
-    Raises
-    ------
-    DataError
-        If it looks like a level.
     """
     indicated = 0.5 * _SPEED * echo_time if reading is None else reading
     known = usable & np.isfinite(reference) & np.isfinite(indicated)

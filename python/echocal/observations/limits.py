@@ -47,17 +47,13 @@ def too_long(path: object, number: int, most: int = LINE) -> DataError:
 class Guarded(io.BufferedIOBase):
     """A binary file that refuses a line that is too long when it is met, not when it is in memory.
 
-    A document of JSON may be one line, so that its lines may be longer.
+    A document of JSON may be one line, so that its lines may be longer. Raises `DataError` with the number of
+    the line.
 
     Parameters
     ----------
     path : path
         How messages name it.
-
-    Raises
-    ------
-    DataError
-        With the number of the line.
     """
 
     def __init__(self, file: IO[bytes], path: object) -> None:
@@ -117,10 +113,7 @@ class Guarded(io.BufferedIOBase):
 def refuse_names(names: Iterable[object], where: object) -> None:
     """Refuse too many columns, or a name that is too long to be one.
 
-    Raises
-    ------
-    DataError
-        With the place of the column.
+    Raises `DataError` with the place of the column.
     """
     held = list(names)
     if len(held) > COLUMNS:
@@ -138,10 +131,7 @@ def refuse_names(names: Iterable[object], where: object) -> None:
 def refuse_cells(rows: int, columns: int, filled: int, where: object) -> None:
     """Refuse a table that is almost empty, and so large that it would fill the memory.
 
-    Raises
-    ------
-    DataError
-        With its size.
+    Raises `DataError` with its size.
     """
     if rows * columns > max(CELLS, 10 * filled):
         raise DataError(

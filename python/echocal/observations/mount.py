@@ -17,10 +17,7 @@ LEAST = 8  # rows with a distance beside the level, from which on the height is 
 def mounted(requests: Mapping[str, str], height: float | None) -> dict[str, str]:
     """Meanings of columns, each level with the height of the sensor above its zero, if it has none yet.
 
-    Raises
-    ------
-    UsageError
-        If a height is given and is none, or every level has another one.
+    Raises `UsageError` if a height is given and is none, or every level has another one.
 
     Examples
     --------
@@ -57,10 +54,7 @@ def with_named_levels(
 ) -> dict[str, str]:
     """Meanings of columns; a height makes those levels that are called as echocal calls levels.
 
-    Raises
-    ------
-    UsageError
-        If a height is given, and no column is a level.
+    Raises `UsageError` if a height is given, and no column is a level.
 
     Examples
     --------

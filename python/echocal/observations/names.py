@@ -33,10 +33,7 @@ _PHRASE = re.compile(r"(?P<words>.+?)(?:\s+in\s+(?P<unit>.+)|\s*[\[(](?P<bracket
 def by_name(column: str) -> tuple[Form, str] | None:
     """Form and unit of a column that is named in echocal's way, None for any other name.
 
-    Raises
-    ------
-    DataError
-        If the name begins like one of echocal's and its unit is missing or unknown.
+    Raises `DataError` if the name begins like one of echocal's and its unit is missing or unknown.
     """
     found = _exact(column)
     if found and found[0].level:
@@ -75,10 +72,8 @@ def is_level_name(column: str) -> bool:
 def by_request(column: str, request: str) -> tuple[Form, str] | None:
     """Form and unit that the user asks for, None for `EXTRA`.
 
-    Raises
-    ------
-    UsageError
-        If the request is neither a name (``reading_m``) nor a phrase (``distance reading in m``).
+    Raises `UsageError` if the request is neither a name (``reading_m``) nor a phrase (``distance reading in
+    m``).
     """
     request = request.strip()
     if request == EXTRA:

@@ -15,12 +15,8 @@ from echocal.observations.plan import read_columns
 class ReadOptions:
     """How a table is read: what keywords, flags of commands and jobs of workers say.
 
-    The attributes are the arguments of `echocal.read_observations`.
-
-    Raises
-    ------
-    UsageError
-        If an option has no meaning.
+    The attributes are the arguments of `echocal.read_observations`. Raises `UsageError` if an option has no
+    meaning.
 
     Examples
     --------
@@ -78,10 +74,7 @@ class ReadOptions:
     def requests_of(self, columns: Collection[str]) -> dict[str, str]:
         """Meaning of the columns of a log; of those that only the log of the reference has, none.
 
-        Raises
-        ------
-        UsageError
-            If a mount height is given, and no column is a level.
+        Raises `UsageError` if a mount height is given, and no column is a level.
         """
         requests = with_named_levels(columns, self.requests, self.mount_height)
         if self.reference is None:

@@ -61,10 +61,7 @@ def is_folder(path: Path) -> bool:
 def refuse_unstreamed(file: TextFile) -> None:
     """Refuse a log that cannot be written again line by line.
 
-    Raises
-    ------
-    DataError
-        With the command that makes a table of it.
+    Raises `DataError` with the command that makes a table of it.
     """
     kind = readers.format_of(file)
     if not kind and file.head.nameless:

@@ -22,10 +22,7 @@ def recognizes(lines: Sequence[str]) -> bool:
 def read(lines: Sequence[str], path: str) -> Log:
     """Refuse the sentences: each kind has other fields, and depth sounders measure in water.
 
-    Raises
-    ------
-    DataError
-        Always.
+    Raises `DataError` always.
     """
     kinds = dict.fromkeys(m["kind"] for line in lines if (m := _SENTENCE.match(line.strip())))
     raise DataError(

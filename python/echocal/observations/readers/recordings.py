@@ -62,10 +62,7 @@ class _Series:
 def read(path: Path, kind: str) -> pd.DataFrame:
     """Read the echoes of the ultrasonic rangers of a recording, with the air at their times.
 
-    Raises
-    ------
-    DataError
-        If the library is absent, the file is damaged, or no ultrasonic ranger is in it.
+    Raises `DataError` if the library is absent, the file is damaged, or no ultrasonic ranger is in it.
     """
     series = list(_ulog(path) if kind == ULOG else _bag(path))
     rangers = [own for own in series if own.quantity == ("reading", "m") and own.times]
