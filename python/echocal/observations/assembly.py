@@ -65,9 +65,11 @@ class Assembly:
         named = {name: self._labels(name) for name in ("stand", "group", "order") if name in held}
         extra, texts = self._extra()
         extra = self._without_copies(extra, {**values, "echo_time": echo_time})
+        more = derived(conditions, named) if self.part is None else self.part.derived
+        hour = {} if self.time is None else {"hour_angle": clock.hour_angle(self.time, self.time_zone)}
         return Observations(
             echo_time=echo_time,
-            conditions={**conditions, **self._derived(conditions, named), **self._hour()},
+            conditions={**conditions, **more, **hour},
             reference_distance=values.get("reference_distance"),
             unusable=self._unusable(),
             reading=values.get("reading"),
@@ -130,7 +132,8 @@ class Assembly:
         seen = checks.ends(values)
         wrong, notes = checks.impossible(values, seen, source)
         if self.part is None:
-            self._refuse_other_unit(values, seen, source)
+            trusted = [name for name in self.trusted if name != EVERYTHING]
+            self._refuse_or_keep(source, checks.refuse_other_unit, values, seen, source, trusted)
             self.notes += [*checks.suspected_codes(values, seen, source), *notes]
         else:
             self.part.count(source, values, seen)
@@ -180,14 +183,6 @@ class Assembly:
             return values - self.part.start
         return values - np.min(values, where=np.isfinite(values), initial=np.inf)
 
-    def _derived(self, conditions: dict[str, Column], named: dict[str, Labels]) -> Mapping[str, Column]:
-        return derived(conditions, named) if self.part is None else self.part.derived
-
-    def _refuse_other_unit(self, values: Column, seen: tuple[float, float], source: Assignment) -> None:
-        """Refuse a column in another unit."""
-        trusted = [name for name in self.trusted if name != EVERYTHING]
-        self._refuse_or_keep(source, checks.refuse_other_unit, values, seen, source, trusted)
-
     def _refuse_or_keep(self, source: Assignment, check: Callable[..., None], *given: object) -> None:
         """Refuse a column; where everything is trusted, keep the sentence."""
         try:
@@ -200,9 +195,6 @@ class Assembly:
     def _unusable(self) -> NDArray[np.str_]:
         reasons = np.array(self.reasons)
         return reasons[self.reason] if len(reasons) > 1 else np.full(len(self.reason), reasons[0])
-
-    def _hour(self) -> dict[str, Column]:
-        return {} if self.time is None else {"hour_angle": clock.hour_angle(self.time, self.time_zone)}
 
     def _check_filled(self, values: Column, source: Assignment) -> None:
         if self.part is None:

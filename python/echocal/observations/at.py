@@ -90,33 +90,14 @@ def sentences(stated: Mapping[str, tuple[float, float]]) -> list[str]:
     """What a result must say of conditions that nobody recorded."""
     said = []
     for quantity, (value, uncertainty) in stated.items():
-        shown = _shown(quantity, value, uncertainty)
-        if not uncertainty:
-            said.append(
-                f"the {_words(quantity)} is stated for all rows, not recorded: {shown}, no uncertainty given"
-            )
-            continue
-        part = (
-            f"; this leaves {_PER_KELVIN * uncertainty:.2%} of each distance open"
-            if quantity == "temperature"
-            else ""
-        )
-        said.append(f"the {_words(quantity)} is stated for all rows, not recorded: {shown}{part}")
+        known = QUANTITIES[quantity].shown
+        spread = f" +- {uncertainty * known.factor:g}" if uncertainty else ""
+        more = "" if uncertainty else ", no uncertainty given"
+        if uncertainty and quantity == "temperature":
+            more = f"; this leaves {_PER_KELVIN * uncertainty:.2%} of each distance open"
+        shown = f"{value * known.factor:g}{spread} {known.unit}{more}"
+        said.append(f"the {quantity.replace('_', ' ')} is stated for all rows, not recorded: {shown}")
     return said
-
-
-def _words(quantity: str) -> str:
-    return quantity.replace("_", " ")
-
-
-def _shown(quantity: str, value: float, uncertainty: float) -> str:
-    factor, unit = {
-        "temperature": (1.0, "degC"),
-        "relative_humidity": (100.0, "%"),
-        "pressure": (0.01, "hPa"),
-    }.get(quantity, (1.0, QUANTITIES[quantity].unit))
-    spread = f" +- {uncertainty * factor:g}" if uncertainty else ""
-    return f"{value * factor:g}{spread} {unit}"
 
 
 def uncertain(observations: Observations) -> dict[str, float]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pandas as pd
@@ -94,7 +94,10 @@ def sensors_in(table: pd.DataFrame) -> dict[str, int]:
     for name in table.columns:
         if str(name).strip().lower().replace(" ", "_") not in _NAMES:
             continue
-        count = _distinct(table[name])
+        try:
+            count = int(table[name].nunique())
+        except TypeError:  # lists, which have no hash
+            continue
         if 1 < count <= max(len(table) // _FEW, 1):
             found[str(name)] = count
     return found
@@ -118,10 +121,3 @@ def note_of(table: pd.DataFrame, used: set[str]) -> str:
                 f"{keyword('columns', {name: 'extra'})}"
             )
     return ""
-
-
-def _distinct(values: pd.Series[Any]) -> int:
-    try:
-        return int(values.nunique())
-    except TypeError:  # lists, which have no hash
-        return 0

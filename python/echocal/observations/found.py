@@ -95,17 +95,9 @@ class Found:
 
 def keep(table: pd.DataFrame, found: Found) -> pd.DataFrame:
     """The table with what was found."""
-    plain = {
-        "kind": found.kind,
-        "units": dict(found.units),
-        "notes": list(found.notes),
-        "corrupt": [[row, why] for row, why in found.corrupt.items()],
-        "streams": found.streams,
-        "requests": dict(found.requests),
-        "sure": list(found.sure),
-        "joined": {column: asdict(join) for column, join in found.joined.items()},
-    }
-    table.attrs[_KEY] = plain
+    # what JSON keeps, as which Parquet writes it
+    corrupt = [[row, why] for row, why in found.corrupt.items()]
+    table.attrs[_KEY] = {**asdict(found), "corrupt": corrupt}
     return table
 
 
@@ -116,10 +108,8 @@ def found_in(table: pd.DataFrame) -> Found:
         return Found()
     corrupt = {int(row): str(why) for row, why in plain["corrupt"] if row < len(table)}
     joined = {column: Join(**join) for column, join in plain["joined"].items()}
-    return Found(
-        plain["kind"], plain["units"], tuple(plain["notes"]), corrupt, plain["streams"], plain["requests"],
-        tuple(plain["sure"]), joined,
-    )  # fmt: skip
+    lists = {name: tuple(plain[name]) for name in ("notes", "sure")}
+    return Found(**{**plain, **lists, "corrupt": corrupt, "joined": joined})
 
 
 def pointed(texts: pd.Series[Any]) -> pd.Series[Any]:

@@ -108,7 +108,9 @@ def find_head(lines: Sequence[str], skipped: int, before: str) -> Head:
     if given and len(lines) > 1:
         return _table(lines, 1, skipped, given[1])
     if lines[0].startswith(('"TOA5"', "TOA5,", '"TOACI1"', "TOACI1,")) and len(lines) > 1:
-        return _campbell(lines, skipped)
+        long = "TOA5" in lines[0][:8]
+        kind = "TOA5 of a Campbell logger" if long else "TOACI1"
+        return _table(lines, 1, skipped, ",", 2 if long else 0, kind)
     ends = [n for n, line in enumerate(lines) if line.startswith("***End_of_Header***")]
     if ends:
         return _labview(lines, ends[-1] + 1, skipped)
@@ -134,11 +136,6 @@ def _plain_head(lines: Sequence[str], skipped: int, before: str) -> Head:
             if len(fields_of(lines[place], own_separator)) > 1 and _all_values(lines[place], own_separator):
                 return _nameless(lines[place:], skipped + place, own_separator, "")
     return _table(lines, 0, skipped, separator)
-
-
-def _campbell(lines: Sequence[str], skipped: int) -> Head:
-    long = "TOA5" in lines[0][:8]
-    return _table(lines, 1, skipped, ",", 2 if long else 0, "TOA5 of a Campbell logger" if long else "TOACI1")
 
 
 def _labview(lines: Sequence[str], begin: int, skipped: int) -> Head:

@@ -1,6 +1,6 @@
 """Rules by which rows are marked, row by row, with what a diagnosis found in a whole table."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from numbers import Real
 from typing import Any, Literal, get_args
@@ -180,15 +180,8 @@ def apart_from_neighbors(values: Column) -> Column:
 def _runs(values: Column, length: int, *, whole: bool) -> Mask:
     """Rows of runs of so many equal values or more, with the first row of each or without."""
     rows = np.zeros(len(values), dtype=bool)
-    for first, last in _ranges(values):
-        if last - first >= length:
-            rows[first + (not whole) : last] = True
-    return rows
-
-
-def _ranges(values: Column) -> Iterator[tuple[int, int]]:
-    new = np.ones(len(values), dtype=bool)
-    new[1:] = ~(values[1:] == values[:-1])
+    new = np.append(True, ~(values[1:] == values[:-1]))
     starts = np.append(np.flatnonzero(new), len(values))
-    long = np.flatnonzero(np.diff(starts) > 1)
-    yield from zip(starts[long].tolist(), starts[long + 1].tolist(), strict=True)
+    for run in np.flatnonzero(np.diff(starts) >= max(length, 2)):
+        rows[starts[run] + (not whole) : starts[run + 1]] = True
+    return rows

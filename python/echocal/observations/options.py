@@ -50,13 +50,16 @@ class ReadOptions:
     def __post_init__(self) -> None:
         height = None if self.mount_height is None else float(self.mount_height)
         speed = None if self.reading_speed is None else str(self.reading_speed)
+        codes: Any = self.missing
+        if not isinstance(codes, Mapping | str):
+            codes = tuple(codes) if isinstance(codes, Collection) else (codes,)
         said = read_columns(self.columns)
         requests = mounted(said, height)
         made = {
             "requests": requests,
             "columns": said or None,
             "reading_speed": speed,
-            "missing": self.missing if isinstance(self.missing, Mapping | str) else _listed(self.missing),
+            "missing": codes,
             "trust": _names(self.trust),
             "at": {name: str(value) for name, value in (self.at or {}).items()} or None,
             "mount_height": height,
@@ -95,10 +98,6 @@ def _names(trust: Any) -> tuple[str, ...]:
 
 def _same(value: Any, usual: Any) -> bool:
     return value is usual or (isinstance(value, type(usual)) and value == usual)
-
-
-def _listed(codes: Any) -> tuple[Any, ...]:
-    return tuple(codes) if isinstance(codes, Collection) else (codes,)
 
 
 def _plain(value: Any) -> Any:

@@ -14,6 +14,7 @@ from echocal.observations import clock
 from echocal.observations.found import Join, found_in, told
 from echocal.observations.hints import completed
 from echocal.observations.in_time import Clock, joined
+from echocal.observations.marks import seconds
 from echocal.observations.numbers import Missing, to_numbers
 from echocal.observations.options import ReadOptions
 from echocal.observations.plan import Assignment, make, refuse_absent
@@ -127,8 +128,7 @@ def _times(
         ), False
     zone = clock.zone_of(source.column, how.time_zone)
     instants, _ = clock.instants(table[source.column], source.column, zone, how.time_format)
-    seconds = instants.astype("datetime64[ns]").astype(np.int64) / 1e9
-    return np.where(np.isnat(instants), np.nan, seconds), True
+    return seconds(instants), True
 
 
 def _uncertainty(times: Column, values: Column) -> float:

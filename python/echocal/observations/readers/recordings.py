@@ -16,7 +16,6 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from echocal.arrays import Column
 from echocal.errors import DataError
 from echocal.observations.file import BAG, ULOG
 from echocal.observations.found import Found, Join, keep, told
@@ -38,6 +37,7 @@ _ROS = {
     "sensor_msgs/msg/FluidPressure": ("fluid_pressure", ("pressure", "Pa")),
 }
 _RANGE = "sensor_msgs/msg/Range"
+_SINCE_1970 = 1e8  # s: a smaller time counts from a start of its own
 
 
 @dataclass
@@ -70,20 +70,20 @@ def read(path: Path, kind: str) -> pd.DataFrame:
     if not sound:
         others = ", ".join(f"{own.topic} (type {sorted(own.kinds)})" for own in rangers)
         none = f"its rangers are no ultrasonic ones: {others}" if others else "no ranger is in it"
-        raise DataError(f"{path} is {kind}, and {none}; ultrasonic is type {_SOUND[kind]} of {_topic(kind)}")
+        topic = "distance_sensor" if kind == ULOG else "sensor_msgs/Range"
+        raise DataError(f"{path} is {kind}, and {none}; ultrasonic is type {_SOUND[kind]} of {topic}")
     notes = [f"{own.topic} is no ultrasonic ranger, and is not read" for own in rangers if own not in sound]
     return _table(sound, [own for own in series if own not in rangers and own.times], kind, notes)
-
-
-def _topic(kind: str) -> str:
-    return "distance_sensor" if kind == ULOG else "sensor_msgs/Range"
 
 
 def _table(sound: Sequence[_Series], air: Sequence[_Series], kind: str, notes: list[str]) -> pd.DataFrame:
     times = np.concatenate([own.times for own in sound])
     order = np.argsort(times, kind="stable")
     valid = np.concatenate([own.valid for own in sound])[order]
-    columns: dict[str, Any] = {_clock_name(times): _clock(times[order])}
+    columns: dict[str, Any] = {"time_s": times[order]}
+    if times.min() > _SINCE_1970:
+        dates = pd.to_datetime(times[order], unit="s").strftime("%Y-%m-%dT%H:%M:%S.%fZ")
+        columns = {"time": dates}
     if len(sound) > 1:
         columns["sensor_id"] = np.repeat([own.topic for own in sound], [len(o.times) for o in sound])[order]
     readings = np.concatenate([own.heights for own in sound])[order]
@@ -108,19 +108,6 @@ def _name(own: _Series, taken: Iterable[str]) -> str:
     plain = "_".join(filter(None, [quantity, unit]))
     topic = re.sub(r"[^a-zA-Z0-9]+", "_", own.topic).strip("_")
     return plain if plain not in taken else "_".join(filter(None, [quantity, topic, unit]))
-
-
-_SINCE_1970 = 1e8  # s: a smaller time counts from a start of its own
-
-
-def _clock_name(times: Column) -> str:
-    return "time" if times.min() > _SINCE_1970 else "time_s"
-
-
-def _clock(times: Column) -> Any:
-    if times.min() <= _SINCE_1970:
-        return times
-    return pd.to_datetime(times, unit="s").strftime("%Y-%m-%dT%H:%M:%S.%fZ")
 
 
 def _ulog(path: Path) -> Iterable[_Series]:

@@ -3,7 +3,7 @@
 import re
 import zipfile
 import zlib
-from datetime import date, datetime, time, timedelta
+from datetime import date, time, timedelta
 from pathlib import Path
 from typing import IO, Any
 
@@ -132,14 +132,6 @@ def _filled(value: Any) -> bool:
 
 
 def _plain(value: Any) -> Any:
-    if isinstance(value, datetime):
-        return value.isoformat(sep=" ")
-    if isinstance(value, date):
-        return value.isoformat()
-    if isinstance(value, timedelta):
+    if isinstance(value, date | time | timedelta):
         return str(value)
-    if isinstance(value, time):
-        return value.isoformat()
-    if isinstance(value, str):
-        return value.strip() or None
-    return value
+    return (value.strip() or None) if isinstance(value, str) else value

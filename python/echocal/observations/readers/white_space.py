@@ -54,16 +54,12 @@ def read(lines: Sequence[str], path: str) -> Log:
         if line.startswith("#"):
             continue
         if _is_row(line) and len(words_of(line)) == width:
-            records.append(_joined(names, words_of(line)))
+            records.append(dict(zip(names, words_of(line), strict=True)))
         else:
             log.corrupt[len(records)] = line
             records.append({})
     log.records = records
     return log
-
-
-def _joined(names: list[str], values: list[str]) -> dict[str, str]:
-    return dict(zip(names, values, strict=True))
 
 
 def _is_row(line: str) -> bool:
