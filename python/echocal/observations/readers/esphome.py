@@ -62,7 +62,7 @@ def read(lines: Sequence[str], path: str) -> Log:
     said = [own for own in said if own.kind != "other" or not states]  # each value is a state, too
     rangers = list(dict.fromkeys(own.sensor for own in said if own.kind in {"echo", "distance"}))
     said = [own for own in said if own.kind != "silent" or own.sensor in rangers]
-    log = Log([])
+    log = Log()
     for own in said:
         log.units |= {_column(name, own, rangers): unit for name, unit in own.units.items()}
     events = [_event(own, rangers) for own in said]
@@ -127,7 +127,7 @@ def _event(own: _Said, rangers: Sequence[str]) -> Event:
 
 def _settle(log: Log, columns: Sequence[str], sensor: str) -> None:
     """One reading, that with the most digits of those that are the same, and the echo time: both are sure."""
-    table = pd.DataFrame(list(log.records))
+    table = pd.DataFrame(log.records)
     lengths = [name for name in columns if symbol_of(log.units.get(name, "")) in {"m", "cm", "mm"}]
     if sensor in log.units or lengths:
         log.units.setdefault(sensor, log.units.get(lengths[0], "") if lengths else "")
@@ -139,7 +139,7 @@ def _settle(log: Log, columns: Sequence[str], sensor: str) -> None:
         best, other = (name, best) if finer == name else (best, name)
         log.notes.append(f"'{other}' is '{best}' with fewer digits and is left out")
         for record in log.records:
-            record.pop(other, None)  # type: ignore[attr-defined]
+            record.pop(other, None)
     for name in (*columns, best):
         unit = symbol_of(log.units.get(name, ""))
         request = f"echo_{unit}" if unit == "us" else f"reading_{unit}" if name == best else "extra"

@@ -110,7 +110,7 @@ def rows_by_order(events: Sequence[Event], ranger: Sequence[str], log: Log) -> L
     return log
 
 
-def of_several_messages(records: Sequence[Record], log: Log) -> Log:
+def of_several_messages(records: list[Record], log: Log) -> Log:
     """Rows of messages with their times: some have a reading, and others only further quantities."""
     names = list(dict.fromkeys(name for record in records for name in record))
     clocks = [name for name in names if is_time_name(name) and all(name in own for own in records)]

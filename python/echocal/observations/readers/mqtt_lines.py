@@ -29,7 +29,7 @@ def recognizes(lines: Sequence[str]) -> bool:
 
 def read(lines: Sequence[str], path: str) -> Log:
     """Read the payloads; a row is a payload of the ranger, with those of other topics at its time."""
-    log = Log([])
+    log = Log()
     told, others = [], []
     for line in filter(str.strip, lines):
         match = _LINE.fullmatch(line.strip())
