@@ -203,6 +203,9 @@ def generate(
     if further_codes is not None and further_codes.quantity in assume:
         raise UsageError(f"{further_codes.quantity} is measured: it cannot be assumed as well")
     air = _assumed(model, assume)
+    threads = (os.cpu_count() or 1) if n_threads is None else n_threads
+    if max_bits not in (32, WIDEST):
+        raise UsageError(f"{keyword('max_bits', max_bits)} is no width of an integer: give 32 or {WIDEST}")
     request: dict[str, Any] = {
         "target": target,
         "package": package,
@@ -212,14 +215,14 @@ def generate(
         "temperature": numbers("temperature", codes),
         "thermistor": None if thermistor is None else (*thermistor.scale(), thermistor.words()),
         "humidity": None if humidity_codes is None else numbers("humidity", humidity_codes),
-        "further": _further(further_codes),
+        "further": further_codes and (further_codes.quantity, numbers(further_codes.quantity, further_codes)),
         "output_unit": output_unit,
         "output_type": output_type,
         "maximum_error": float(max_error),
         "maximum_distance": float(max_distance),
         "maximum_table": count("max_table_bytes", max_table_bytes, 2**31 - 1, least=0),
-        "widest": _bits(max_bits),
-        "threads": _threads(n_threads),
+        "widest": max_bits,
+        "threads": count("n_threads", threads, _MOST_THREADS, least=1),
         "accept": [find_effect(effect).id for effect in ([accept] if isinstance(accept, str) else accept)],
         "assumed": air,
         "median": _median(median, gate),
@@ -248,11 +251,6 @@ def generate(
     budget = expanded_uncertainty(model, made.report, {**model.air, **assume}, known)
     found = [silicon.measure(made, core_) for core_ in silicon.cores_of(target)] if measure else []
     return _firmware(core, [one.to_dict() for one in found if one is not None], budget)
-
-
-def _further(codes: FurtherCodes | None) -> tuple[str, tuple[float, float, float, float, int]] | None:
-    """Return the quantity of a further input and its codes, as the core takes them."""
-    return None if codes is None else (codes.quantity, numbers(codes.quantity, codes))
 
 
 def _median(window: int | None, gate: float | None) -> tuple[int, float | None] | None:
@@ -353,13 +351,3 @@ def _assumed(model: Model, assume: Mapping[str, float]) -> list[float]:
     _, (_, *values) = columns(0.0, {**model.air, **assume})
     assumed(assume)
     return [float(value[0]) for value in values]
-
-
-def _bits(widest: int) -> int:
-    if widest not in (32, WIDEST):
-        raise UsageError(f"{keyword('max_bits', widest)} is no width of an integer: give 32 or {WIDEST}")
-    return widest
-
-
-def _threads(wanted: int | None) -> int:
-    return count("n_threads", (os.cpu_count() or 1) if wanted is None else wanted, _MOST_THREADS, least=1)

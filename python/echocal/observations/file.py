@@ -11,7 +11,7 @@ from itertools import islice
 from pathlib import Path
 from typing import IO, Any, TextIO
 
-from echocal.errors import DataError
+from echocal.errors import DataError, reading
 from echocal.observations.heading import FIRST, head_in
 from echocal.observations.layout import CUT_SIGN, Head, Layout, said_no_text, seen_in
 from echocal.observations.limits import Guarded
@@ -156,17 +156,9 @@ def is_parquet(path: Path) -> bool:
 
 def _opened(path: Path) -> IO[bytes]:
     """A file that is not empty."""
-    try:
+    with reading(path):
         file = path.open("rb")
         is_empty = not file.peek(1)
-    except IsADirectoryError:
-        raise DataError(f"{path} is a folder; name one file of it") from None
-    except FileNotFoundError:
-        raise DataError(f"no file {path}") from None
-    except OSError as error:
-        raise DataError(f"{path} cannot be read: {error.strerror}") from None
-    except ValueError as error:  # a NUL byte, a lone surrogate
-        raise DataError(f"{str(path)!r} cannot be the name of a file: {error}") from None
     if is_empty:
         file.close()
         raise DataError(f"{path} is empty")

@@ -15,6 +15,7 @@ import pandas as pd
 from echocal.arrays import Column
 from echocal.observations.dates import DAY
 from echocal.observations.found import Found
+from echocal.observations.readers.times import together
 
 _PIECES: dict[str, tuple[frozenset[str], tuple[int, int]]] = {
     "year": (frozenset({"year", "yyyy", "yr", "jahr", "annee", "año", "år"}), (1970, 2261)),
@@ -55,7 +56,10 @@ def step(table: pd.DataFrame, found: Found) -> tuple[pd.DataFrame, Found]:
     if "time" in table.columns and not pd.api.types.is_numeric_dtype(table["time"]):
         return table, found
     if beside := _beside_a_date(table):
-        return _joined(table, found, *beside)
+        hours = _in_hours({"hour": _numbers(table[beside[1]])}, {"hour": beside[1]})["hour"]
+        minutes = np.round(_MINUTES * hours)
+        clock = [None if np.isnan(m) else f"{int(m) // 60:02d}:{int(m) % 60:02d}" for m in minutes]
+        return together(table, found, *beside, clock)
     columns = _columns(table)
     days = {"month", "day"} if {"month", "day"} <= {*columns} else {"day_of_year"}
     if not {"year", *days} <= {*columns}:
@@ -96,22 +100,6 @@ def _are_days(values: pd.Series[Any]) -> bool:
     found = [DAY.fullmatch(str(own).strip()) for own in values.dropna() if str(own).strip()]
     sound = [own is not None and (own["clock"] or "00:00:00") in _MIDNIGHT for own in found]
     return bool(sound) and sum(sound) >= _SOUND * len(sound)
-
-
-def _joined(table: pd.DataFrame, found: Found, day: str, clock: str) -> tuple[pd.DataFrame, Found]:
-    """Text of both as times are written; none where the hours and minutes are no clock's."""
-    hours = _in_hours({"hour": _numbers(table[clock])}, {"hour": clock})["hour"]
-    minutes = np.round(_MINUTES * hours)
-    both = [
-        None
-        if np.isnan(own) or pd.isna(date) or not str(date).strip()
-        else f"{str(date).strip().split(' ')[0].split('T')[0]} {int(own) // 60:02d}:{int(own) % 60:02d}"
-        for date, own in zip(table[day], minutes, strict=True)
-    ]
-    requests = {**found.requests, day: "ignore", clock: "ignore"}
-    notes = (*found.notes, f"'{day}', '{clock}' are read together as time")
-    time = pd.Series(both, index=table.index, dtype=object)
-    return table.assign(time=time), replace(found, notes=notes, requests=requests)
 
 
 def _plain(name: object) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
 from dataclasses import replace
 from typing import Any
 
@@ -10,6 +11,7 @@ import numpy as np
 import pandas as pd
 
 from echocal.observations.dates import CLOCK, DAY, MONTH, unwrapped_clock
+from echocal.observations.fields import is_empty
 from echocal.observations.found import Found
 from echocal.observations.hints import is_time_name
 from echocal.observations.in_time import counts_per_second
@@ -28,7 +30,7 @@ def step(table: pd.DataFrame, found: Found) -> tuple[pd.DataFrame, Found]:
     clocks = [n for n in named if _share(table[n], CLOCK)]
     whole = [n for n in named if _share(table[n], DAY, clock=True)]
     if len(days) == 1 and len(clocks) == 1 and not whole:
-        return _joined(table, found, days[0], clocks[0])
+        return together(table, found, days[0], clocks[0], table[clocks[0]])
     if len(clocks) == 1 and not whole and not days and not any(n in NAMES and n != "time" for n in named):
         return _clock(table, found, clocks[0])
     if "time" in table.columns and not pd.api.types.is_numeric_dtype(table["time"]):
@@ -46,12 +48,15 @@ def step(table: pd.DataFrame, found: Found) -> tuple[pd.DataFrame, Found]:
     return table, found
 
 
-def _joined(table: pd.DataFrame, found: Found, day: str, clock: str) -> tuple[pd.DataFrame, Found]:
+def together(
+    table: pd.DataFrame, found: Found, day: str, clock: str, times: Iterable[Any]
+) -> tuple[pd.DataFrame, Found]:
+    """One column `time` of those of a date and of a time of day, whose texts are `times`."""
     both = [
         f"{str(a).strip().split(' ')[0].split('T')[0]} {str(b).strip()}"
         if _filled(a) and _filled(b)
         else None
-        for a, b in zip(table[day], table[clock], strict=True)
+        for a, b in zip(table[day], times, strict=True)
     ]
     own = "time of day" if clock == "time" else clock
     table = table.rename(columns={clock: own}).assign(time=pd.Series(both, index=table.index, dtype=object))
@@ -100,4 +105,4 @@ def _epoch(values: pd.Series[Any]) -> float | None:
 
 
 def _filled(value: Any) -> bool:
-    return value is not None and value == value and str(value).strip() not in NO_NUMBER
+    return not is_empty(value) and str(value).strip() not in NO_NUMBER
