@@ -10,15 +10,7 @@ from typing import Any
 
 from echocal import _core, echoes, silicon
 from echocal.budget.stated import Uncertainties
-from echocal.codes import (
-    EchoCodes,
-    FurtherCodes,
-    HumidityCodes,
-    TemperatureCodes,
-    codes_of,
-    count,
-    numbers,
-)
+from echocal.codes import EchoCodes, FurtherCodes, HumidityCodes, TemperatureCodes, codes_of, count, numbers
 from echocal.conditions import columns
 from echocal.device_uncertainty import expanded_uncertainty
 from echocal.domain import describe

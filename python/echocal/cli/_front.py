@@ -1,6 +1,5 @@
 """``echocal LOG``: inspect a log, ask what it does not say, diagnose it, report, and say what comes next."""
 
-import shlex
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -14,16 +13,9 @@ from echocal.cli import _made_by
 from echocal.cli._brief import follow_up, print_brief, print_commands, without_evidence
 from echocal.cli._console import Console
 from echocal.cli._options import from_stdin, options_text, written_by_us
-from echocal.cli._outputs import Force, Output, Quiet, check_outputs, written
+from echocal.cli._outputs import Force, Output, Quiet, check_outputs, this_command, written
 from echocal.cli._several import tables_bar
-from echocal.cli._tables import (
-    AS_IT_IS,
-    Given,
-    Json,
-    noted,
-    reading_options,
-    write_json,
-)
+from echocal.cli._tables import AS_IT_IS, Given, Json, noted, reading_options, write_json
 from echocal.cli.diagnose import (
     Base,
     ConstantDistance,
@@ -49,24 +41,12 @@ from echocal.report import print_diagnosis
 
 @dataclass(frozen=True)
 class _Question:
-    """What a log does not say.
+    """What a log does not say."""
 
-    Attributes
-    ----------
-    what : str
-        In a list.
-    text : str
-        For a person at a terminal.
-    flags : str
-        The flags that answer it.
-    quantity : str
-        What is asked for, where a column whose name is misspelled may hold it.
-    """
-
-    what: str
-    text: str
-    flags: str
-    quantity: str = ""
+    what: str  # in a list
+    text: str  # for a person at a terminal
+    flags: str  # the flags that answer it
+    quantity: str = ""  # what is asked for, where a column whose name is misspelled may hold it
 
 
 @dataclass
@@ -156,8 +136,7 @@ def command(
     from echocal.report.html import save_report
 
     commands = follow_up(diagnosis, log, model, {"options": toml} if said else {})
-    made_by = shlex.join(["echocal", *sys.argv[1:]])
-    save_report(diagnosis, page, log.name, made_by, model, without_evidence(commands))
+    save_report(diagnosis, page, log.name, this_command(), model, without_evidence(commands))
     write_json(diagnosis.to_dict(), json)
     if quiet or json == "-":
         return
@@ -188,7 +167,7 @@ def _settled(log: Path, known: _Answers, yes: bool, console: Console) -> Inspect
         else:
             open_.append(question)
 
-    for name in _sensors(found, known)[:1]:
+    for name in [name for name in found.sensors if name not in known.reading.requests][:1]:
         settle(_about_sensors(log, name, found.sensors[name]), partial(_one_sensor, log, name, known))
     guesses = [column for column in found.columns if column.proposal.guess]
     if guesses or found.missing:
@@ -198,7 +177,8 @@ def _settled(log: Path, known: _Answers, yes: bool, console: Console) -> Inspect
             settle(_about_guesses(found), lambda: _confirm(found, known))
     if not _has(found, known, "temperature"):
         settle(_TEMPERATURE, lambda: _ask_temperature(known))
-    if not _is_stated(known) and not _has(found, known, "reference_distance"):
+    is_stated = known.elsewhere or known.constant_distance or known.reference_distance is not None
+    if not is_stated and not _has(found, known, "reference_distance"):
         settle(_DISTANCE, lambda: _ask_distance(known))
     if open_:
         flags = "; ".join(f"{one.what} ({one.flags})" for one in open_)
@@ -223,16 +203,6 @@ _DISTANCE = _Question(
     'or --column "NAME=distance_m"',
     "reference_distance",
 )
-
-
-def _is_stated(known: _Answers) -> bool:
-    """Whether the user says where the target is."""
-    return known.elsewhere or known.constant_distance or known.reference_distance is not None
-
-
-def _sensors(found: Inspection, known: _Answers) -> list[str]:
-    """Columns that tell sensors apart, of which nobody has said what they are."""
-    return [name for name in found.sensors if name not in known.reading.requests]
 
 
 def _about_sensors(log: Path, name: str, count: int) -> _Question:
@@ -317,10 +287,7 @@ def _has(found: Inspection, known: _Answers, quantity: str) -> bool:
 
 
 def _read_as(found: Inspection) -> str:
-    held = [f"{c.name} as {c.proposal.request}" for c in found.columns if _held(c.proposal.request)]
+    none = ("", "extra", "ignore")
+    held = [f"{c.name} as {c.proposal.request}" for c in found.columns if c.proposal.request not in none]
     usable = "" if found.usable is None else f"; {found.usable} of {found.rows} rows can be used"
     return f"{', '.join(held)}{usable}"
-
-
-def _held(request: str) -> bool:
-    return bool(request) and request not in ("extra", "ignore")

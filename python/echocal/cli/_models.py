@@ -28,6 +28,16 @@ Law: TypeAlias = Annotated[
     typer.Option(help="Law or expression, in place of a model; default cramer.", autocompletion=laws),
 ]
 
+ModelFile: TypeAlias = Annotated[
+    Path | None, typer.Option(metavar="FILE", help="Model file; default: a law alone.")
+]
+MarkRows: TypeAlias = Annotated[
+    bool,
+    typer.Option(
+        "--mark-rows/--no-mark-rows",
+        help="Mark rows that are as those which the diagnosis of the model left out.",
+    ),
+]
 Uncertain: TypeAlias = Annotated[
     list[str] | None,
     typer.Option(

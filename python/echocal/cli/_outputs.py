@@ -38,22 +38,13 @@ Report: TypeAlias = Annotated[
 
 @dataclass
 class _Run:
-    """What is known of the outputs of the command that runs.
-
-    Attributes
-    ----------
-    before : dict of Path to object
-        Each file that it may write, with what tells the file from a later one; None if it was absent.
-    folders : list of Path
-        Folders that it makes.
-    quiet, stdout_taken : bool
-        Whether it says nothing, and whether stdout is a result of its own.
-    """
+    """What is known of the outputs of the command that runs."""
 
     before: dict[Path, object] = field(default_factory=dict)
-    folders: list[Path] = field(default_factory=list)
-    quiet: bool = False
-    stdout_taken: bool = False
+    """Each file that it may write, with what tells the file from a later one; None if it was absent."""
+    folders: list[Path] = field(default_factory=list)  # folders that it makes
+    quiet: bool = False  # whether it says nothing
+    stdout_taken: bool = False  # whether stdout is a result of its own
 
 
 _run = _Run()
@@ -72,21 +63,12 @@ Quiet: TypeAlias = Annotated[
 
 @dataclass(frozen=True)
 class Output:
-    """A file that a command writes.
+    """A file that a command writes."""
 
-    Attributes
-    ----------
-    option : str
-        Option that names it.
-    path : path or str or None
-        None and ``-``, which is stdout, need nothing.
-    recognize : callable
-        Whether an existing file is a former output of the same kind, which may be replaced.
-    """
-
-    option: str
-    path: Path | str | None
+    option: str  # option that names it
+    path: Path | str | None  # None and ``-``, which is stdout, need nothing
     recognize: Recognize
+    """Whether an existing file is a former output of the same kind, which may be replaced."""
 
 
 def check_outputs(
@@ -131,7 +113,10 @@ def check_outputs(
     if not force:
         for output, file in files:
             if file.is_file() and file.stat().st_size > 0 and not output.recognize(file):
-                _refuse_replacing(output.option, file)
+                raise UsageError(
+                    f"{output.option} {file} exists, and this command did not make it from this input, or "
+                    "somebody has edited it since: choose another name, or replace it with --force"
+                )
     _run.stdout_taken |= any(str(output.path) == "-" for output in outputs)
     if not told:
         _run.before |= {file: _state(file) for _, file in files}
@@ -180,13 +165,6 @@ def _state(file: Path) -> object:
 def made_in(folder: Path | None, option: str, names: Iterable[str], recognize: Recognize) -> list[Output]:
     """Outputs in a folder; none without a folder."""
     return [] if folder is None else [Output(option, folder / name, recognize) for name in names]
-
-
-def _refuse_replacing(option: str, file: Path) -> None:
-    raise UsageError(
-        f"{option} {file} exists, and this command did not make it from this input, or somebody has edited "
-        "it since: choose another name, or replace it with --force"
-    )
 
 
 def refuse_picture(path: Path | None) -> None:
@@ -265,6 +243,11 @@ def _refuse(path: Path, reason: str) -> None:
     raise UsageError(f"{path} cannot be written: {reason}")
 
 
+def this_command() -> str:
+    """The command that runs."""
+    return shlex.join(["echocal", *sys.argv[1:]])
+
+
 def write_report(path: Path, page: Callable[[Any, str, str], str], result: Any, heading: str) -> None:
     """Write the page of a result, with the command that runs."""
-    replace_text(path, page(result, heading, shlex.join(["echocal", *sys.argv[1:]])))
+    replace_text(path, page(result, heading, this_command()))

@@ -1,7 +1,7 @@
 """``echocal firmware`` with parameters of single units: one block, or a folder of them."""
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -26,25 +26,13 @@ _SCHEMA = "echocal.unit_data/1"
 
 @dataclass(frozen=True)
 class Blocks:
-    """What is asked for.
+    """What is asked for."""
 
-    Attributes
-    ----------
-    unit, units : Path or None
-        Model of a unit, or folder of them.
-    number : int or None
-        Number of the unit; default: from the name of its file.
-    model : Path or None
-        Model of the firmware.
-    per_unit : sequence of str
-        Box of the firmware.
-    """
-
-    unit: Path | None
-    units: Path | None
-    number: int | None
-    model: Path | None
-    per_unit: Sequence[str]
+    unit: Path | None  # model of a unit
+    units: Path | None  # folder of them
+    number: int | None  # of the unit; default: from the name of its file
+    model: Path | None  # of the firmware
+    per_unit: Sequence[str]  # box of the firmware
 
 
 def run(asked: Blocks, out: Path, report: str | None, console: Console, *, force: bool, quiet: bool) -> None:
@@ -95,7 +83,8 @@ def _many(asked: Blocks, model: Model | None, out: Path, console: Console, *, qu
         done = write_units(folder, out, model=model, per_unit=asked.per_unit, progress=tell)
     console.print(f"written: {done.written} blocks and [cyan]{escape(str(out / TABLE))}[/]")
     _tell_uncompared(model, console)
-    _tell_refused(done.refused, console)
+    for reason in list(done.refused.values())[:_FEW]:
+        console.print(f"[yellow]refused[/] {escape(reason)}")
     return {"units": done.written + len(done.refused), "refused": dict(done.refused)}
 
 
@@ -111,11 +100,6 @@ def _tell_uncompared(model: Model | None, console: Console) -> None:
             "[yellow]note[/] no model of the firmware was given, so nothing else was compared with it; the "
             "firmware itself refuses parameters outside its box"
         )
-
-
-def _tell_refused(refused: Mapping[str, str], console: Console) -> None:
-    for reason in list(refused.values())[:_FEW]:
-        console.print(f"[yellow]refused[/] {escape(reason)}")
 
 
 def _is_block(file: Path) -> bool:

@@ -13,15 +13,7 @@ from echocal.cli._console import Console
 from echocal.cli._models import Effects, Law, Uncertain, model_of, read_for
 from echocal.cli._options import from_stdin
 from echocal.cli._outputs import Force, Output, Quiet, check_outputs
-from echocal.cli._tables import (
-    AS_IT_IS,
-    Given,
-    Json,
-    noted,
-    read,
-    reading_options,
-    write_json,
-)
+from echocal.cli._tables import AS_IT_IS, Given, Json, noted, read, reading_options, write_json
 from echocal.errors import UsageError
 from echocal.outputs import replace_text
 from echocal.sweep import parse, parse_named

@@ -1,7 +1,5 @@
 """``echocal certificate``: corrected distances with their uncertainty, to be signed."""
 
-import shlex
-import sys
 from pathlib import Path
 from typing import Annotated
 
@@ -11,16 +9,8 @@ from echocal.budget.coverage import COVERAGE
 from echocal.cli import _made_by
 from echocal.cli._console import Console
 from echocal.cli._models import Uncertain, end, read_for
-from echocal.cli._outputs import Force, Output, Quiet, check_outputs
-from echocal.cli._tables import (
-    AS_IT_IS,
-    Given,
-    Json,
-    noted,
-    read,
-    reading_options,
-    write_json,
-)
+from echocal.cli._outputs import Force, Output, Quiet, check_outputs, this_command
+from echocal.cli._tables import AS_IT_IS, Given, Json, noted, read, reading_options, write_json
 from echocal.errors import UsageError
 from echocal.model import Model
 
@@ -67,7 +57,6 @@ def command(
             uncertainties=uncertainties or (),
             coverage=coverage,
         )
-    made = shlex.join(["echocal", *sys.argv[1:]])
     identification = {
         "device": device or "not stated",
         "issued by": issued_by or "not stated",
@@ -77,7 +66,7 @@ def command(
         "rows": f"{len(found.rows)} of {len(observations)}",
         **_origin(own),
     }
-    save_certificate(found, out, identification, made)
+    save_certificate(found, out, identification, this_command())
     write_json(found.budget.to_dict(), json)
     if not quiet and json != "-":
         Console(soft_wrap=True).print(f"{found.decision}: {found.statement}", markup=False)

@@ -8,7 +8,7 @@ import typer
 
 from echocal.cli import _made_by
 from echocal.cli._console import Console
-from echocal.cli._models import Effects, Law, Uncertain, model_of
+from echocal.cli._models import Effects, Law, MarkRows, ModelFile, Uncertain, model_of
 from echocal.cli._options import from_stdin
 from echocal.cli._outputs import Force, Output, Quiet, check_outputs, made_in
 from echocal.cli._progress import rows_bar
@@ -43,9 +43,7 @@ def command(
         ),
     ],
     out: Annotated[str, typer.Option("--out", "-o", metavar="OUT", help="File or folder to write.")],
-    model: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="Model file; default: a law alone.")
-    ] = None,
+    model: ModelFile = None,
     law: Law = None,
     effect: Effects = None,
     models: Annotated[
@@ -67,13 +65,7 @@ def command(
             "--transferable", help="Leave out effects that belong to the measurement campaign of the model."
         ),
     ] = False,
-    mark_rows: Annotated[
-        bool,
-        typer.Option(
-            "--mark-rows/--no-mark-rows",
-            help="Mark rows that are as those which the diagnosis of the model left out.",
-        ),
-    ] = True,
+    mark_rows: MarkRows = True,
     uncertainties: Uncertain = None,
     append_only: Annotated[
         str | None,

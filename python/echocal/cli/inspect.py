@@ -10,15 +10,7 @@ from echocal.cli import _made_by
 from echocal.cli._console import Console
 from echocal.cli._options import from_stdin, toml_value, written_by_us
 from echocal.cli._outputs import Force, Output, Quiet, Report, check_outputs, write_report
-from echocal.cli._tables import (
-    AS_IT_IS,
-    Given,
-    Json,
-    SpreadsheetSafe,
-    notes,
-    reading_options,
-    write_json,
-)
+from echocal.cli._tables import AS_IT_IS, Given, Json, SpreadsheetSafe, notes, reading_options, write_json
 from echocal.errors import UsageError
 from echocal.observations.inspection import ColumnFacts, Inspection, inspect_log
 from echocal.outputs import csv_text, replace_text, spreadsheet_safe

@@ -12,15 +12,7 @@ from echocal.cli._console import Console
 from echocal.cli._models import Uncertain, end, read_for
 from echocal.cli._options import from_stdin
 from echocal.cli._outputs import Force, Output, Quiet, Report, check_outputs, write_report
-from echocal.cli._tables import (
-    AS_IT_IS,
-    Given,
-    Json,
-    noted,
-    read,
-    reading_options,
-    write_json,
-)
+from echocal.cli._tables import AS_IT_IS, Given, Json, noted, read, reading_options, write_json
 from echocal.diagnose.findings.sentences import quantity_text
 from echocal.errors import UsageError
 from echocal.model import Model

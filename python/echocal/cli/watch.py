@@ -11,7 +11,7 @@ import typer
 
 from echocal._interrupt import after_imports
 from echocal.cli._console import visible
-from echocal.cli._models import Effects, Law, Uncertain, model_of
+from echocal.cli._models import Effects, Law, MarkRows, ModelFile, Uncertain, model_of
 from echocal.cli._outputs import Force, Output, Quiet, check_outputs
 from echocal.cli._tables import AS_IT_IS, Given, reading_options
 from echocal.errors import UsageError
@@ -35,9 +35,7 @@ def command(
             help="A growing file (CSV, TSV, JSON lines), a folder of them, - for stdin, or mqtt://HOST/TOPIC."
         ),
     ],
-    model: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="Model file; default: a law alone.")
-    ] = None,
+    model: ModelFile = None,
     models: Annotated[
         Path | None, typer.Option(metavar="DIR", help="One model file per sensor: DIR/ID.json; needs --by.")
     ] = None,
@@ -106,13 +104,7 @@ def command(
             metavar="URL", help="Broker of Home Assistant, mqtt://HOST: it finds the sensors there by itself."
         ),
     ] = None,
-    mark_rows: Annotated[
-        bool,
-        typer.Option(
-            "--mark-rows/--no-mark-rows",
-            help="Mark rows that are as those which the diagnosis of the model left out.",
-        ),
-    ] = True,
+    mark_rows: MarkRows = True,
     uncertainties: Uncertain = None,
     reading: Given = AS_IT_IS,
     json: Annotated[

@@ -34,18 +34,10 @@ _KNOWN = frozenset().union(*(words for _, words in WORDS.values()), *NOT.values(
 
 @dataclass(frozen=True)
 class Hint:
-    """What a foreign name and its unit say.
+    """What a foreign name and its unit say."""
 
-    Attributes
-    ----------
-    name : str
-        The column in echocal's way: ``reading_cm``.
-    sure : bool
-        Whether this cannot be another quantity.
-    """
-
-    name: str
-    sure: bool = True
+    name: str  # the column in echocal's way: ``reading_cm``
+    sure: bool = True  # whether this cannot be another quantity
 
 
 def hint(column: str, unit: str = "") -> Hint | None:

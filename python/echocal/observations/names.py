@@ -5,13 +5,7 @@ from dataclasses import replace
 
 from echocal.errors import DataError, UsageError, among
 from echocal.keywords import command_line, keyword
-from echocal.observations.units import (
-    FORMS,
-    NAMES,
-    THERMOMETER,
-    UNIT_WORDS,
-    symbol_of,
-)
+from echocal.observations.units import FORMS, NAMES, THERMOMETER, UNIT_WORDS, symbol_of
 from echocal.quantities import Form
 
 EXTRA = "extra"

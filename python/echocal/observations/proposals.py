@@ -26,20 +26,11 @@ from echocal.observations.vocabulary import LENGTH, LEVELS, TOKEN
 
 @dataclass(frozen=True)
 class Proposal:
-    """What a column may hold.
+    """What a column may hold."""
 
-    Attributes
-    ----------
-    request : str
-        As in `columns`; empty for a column that is no quantity.
-    reason : str
-    guess : bool
-        Whether it may be wrong: only the values say it.
-    """
-
-    request: str
+    request: str  # as in `columns`; empty for a column that is no quantity
     reason: str
-    guess: bool = False
+    guess: bool = False  # whether it may be wrong: only the values say it
 
     @property
     def quantity(self) -> str:

@@ -18,23 +18,13 @@ _PRINTED = 1e-10  # relative error of a value that a formula has converted
 
 @dataclass(frozen=True)
 class QuantizationGrid:
-    """Values that are whole multiples of a step, apart from an offset.
-
-    Attributes
-    ----------
-    step : float
-    distinct : int
-        Number of different values among the rows that were used.
-    rows : int
-        Number of rows that were used.
-    repeated : int or None
-        Rows that repeat a reading at its distance, where they alone are evidence of the step.
-    """
+    """Values that are whole multiples of a step, apart from an offset."""
 
     step: float
-    distinct: int
-    rows: int
+    distinct: int  # number of different values among the rows that were used
+    rows: int  # number of rows that were used
     repeated: int | None = None
+    """Rows that repeat a reading at its distance, where they alone are evidence of the step."""
 
     @property
     def evidence(self) -> float:

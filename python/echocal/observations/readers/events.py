@@ -30,24 +30,12 @@ _AIR = (
 
 @dataclass(frozen=True)
 class Event:
-    """What a line of a log says at its time.
+    """What a line of a log says at its time."""
 
-    Attributes
-    ----------
-    time : mapping of str to object
-        The clock of the line by its column; empty where it has none.
-    holds : mapping of str to object
-        Empty where the line says that no echo came.
-    said : str
-        The line.
-    ends : bool
-        Whether a blank line is above it that ends what came before.
-    """
-
-    time: Mapping[str, Any]
-    holds: Mapping[str, Any]
-    said: str = ""
-    ends: bool = False
+    time: Mapping[str, Any]  # the clock of the line by its column; empty where it has none
+    holds: Mapping[str, Any]  # empty where the line says that no echo came
+    said: str = ""  # the line
+    ends: bool = False  # whether a blank line is above it that ends what came before
 
 
 def rows_of(events: Sequence[Event], ranger: Sequence[str], log: Log, beside: Sequence[str] = ()) -> Log:
