@@ -35,12 +35,17 @@ def list_of(texts: Mapping[str, str], folder: Path) -> str:
 
 def unedited(folder: Path) -> dict[str, str]:
     """Return the SHA-256 of each file in a folder that echocal generated and nobody has edited since."""
-    return {name: digest for name, digest in _listed(folder).items() if _digest(folder / name) == digest}
+    return {name: digest for name, digest in listed(folder).items() if _digest(folder / name) == digest}
 
 
-def listed(folder: Path) -> list[str]:
-    """Return the files that a folder's list names, edited or not; none where the list is not echocal's."""
-    return list(_listed(folder))
+def listed(folder: Path) -> dict[str, str]:
+    """Return SHA-256 by name of a folder's list, edited or not; nothing where the list is not echocal's."""
+    try:
+        mark, *lines = (folder / CHECKSUMS).read_text(encoding="utf-8").split("\n")
+    except (OSError, ValueError):
+        return {}
+    parts = (line.partition("  ") for line in lines if mark == _MARK)
+    return {name: digest for digest, _, name in parts if name}
 
 
 def sealed(page: str) -> str:
@@ -63,17 +68,6 @@ def is_sealed(page: str) -> bool:
 
 def _of_text(text: str) -> str:
     return hashlib.sha256(text.encode()).hexdigest()
-
-
-def _listed(folder: Path) -> dict[str, str]:
-    try:
-        mark, *lines = (folder / CHECKSUMS).read_text(encoding="utf-8").split("\n")
-    except (OSError, ValueError):
-        return {}
-    if mark != _MARK:
-        return {}
-    parts = (line.partition("  ") for line in lines)
-    return {name: digest for digest, _, name in parts if name}
 
 
 def _digest(file: Path) -> str | None:

@@ -28,25 +28,14 @@ Echo = float | EchoCodes | tuple[float, ...] | None
 
 @dataclass(frozen=True)
 class Accepted:
-    """Echo times that a device accepts.
+    """Echo times that a device accepts."""
 
-    Attributes
-    ----------
-    tick : float
-        Tick of the timer [us].
-    shortest, longest : float
-        Ends [us].
-    bits : int
-        Bits of the timer.
-    cut : str or None
-        The reason, if the default longest echo time is shorter than the echo from the largest distance.
-    """
-
-    tick: float
-    shortest: float
-    longest: float
-    bits: int = 16
+    tick: float  # of the timer [us]
+    shortest: float  # [us]
+    longest: float  # [us]
+    bits: int = 16  # of the timer
     cut: str | None = None
+    """The reason, if the default longest echo time is shorter than the echo from the largest distance."""
 
     @property
     def codes(self) -> tuple[float, float, float, int]:
@@ -88,7 +77,10 @@ def accepted(model: _core.Model, request: Mapping[str, Any], echo: Echo) -> Acce
     first = _first(soonest[0] * 1e6, tick) if shortest is None else float(shortest)
     if longest is not None:
         if most <= first:
-            raise UsageError(_ends_early(most, first))
+            raise UsageError(
+                f"echo max {most:g} us ends before the echo from {BLANKING_M:g} m, the nearest that an "
+                f"HC-SR04 measures, {first:g} us: give the echo min, too ({keyword('shortest')})"
+            )
         return Accepted(tick, first, most, bits)
     last, cut = _last([time * 1e6 for time in latest], (tick, bits), most, distances)
     if last <= first:
@@ -165,13 +157,6 @@ def _last(
     return most, (
         f"echo times end at {most:g} us, before the requested largest distance: the echo from {largest:g} m "
         f"takes up to {far:.0f} us, and all are accepted up to {math.floor(reach * 100) / 100:g} m; {why}"
-    )
-
-
-def _ends_early(longest: float, first: float) -> str:
-    return (
-        f"echo max {longest:g} us ends before the echo from {BLANKING_M:g} m, the nearest that an HC-SR04 "
-        f"measures, {first:g} us: give the echo min, too ({keyword('shortest')})"
     )
 
 

@@ -14,11 +14,8 @@ def _temperature_codes(
     """Return the codes of the thermometer: of a known sensor or a DS18B20, but for what is given."""
     usual = TemperatureCodes() if sensor is None else sensor.temperature
     _refuse_mixed("temperature", usual, lsb, zero, shift)
-    found = replace(usual, **_given(lsb, zero, shift))
-    if codes is not None:
-        low, high = _range("--temperature-range", codes, "-20:60")
-        found = replace(found, low=low, high=high)
-    return found
+    ends = _range("--temperature-range", codes, "-20:60")
+    return replace(usual, **_given(lsb, zero, shift), **ends)
 
 
 def thermometer(
@@ -37,7 +34,7 @@ def thermometer(
             "--ntc states the codes of the thermometer: leave out --sensor, --temperature-lsb, "
             "--temperature-zero and --temperature-shift"
         )
-    return thermistor_of(ntc, *_range("--temperature-range", codes or "-20:60", "-20:60"))
+    return thermistor_of(ntc, **_range("--temperature-range", codes or "-20:60", "-20:60"))
 
 
 def humidity_codes(
@@ -53,11 +50,7 @@ def humidity_codes(
         raise UsageError(f"{option} needs --humidity-lsb, the step of one humidity code")
     usual = usual or HumidityCodes()
     _refuse_mixed("humidity", usual, lsb, zero, shift)
-    found = replace(usual, **given)
-    if codes is not None:
-        low, high = _range("--humidity-range", codes, "0:1")
-        found = replace(found, low=low, high=high)
-    return found
+    return replace(usual, **given, **_range("--humidity-range", codes, "0:1"))
 
 
 def _refuse_mixed(
@@ -84,9 +77,11 @@ def _given(lsb: float | None, zero: float | None, shift: int | None) -> dict[str
     return {name: value for name, value in given.items() if value is not None}
 
 
-def _range(name: str, text: str, example: str) -> tuple[float, float]:
+def _range(name: str, text: str | None, example: str) -> dict[str, float]:
+    if text is None:
+        return {}
     low, separator, high = text.partition(":")
     try:
-        return float(low), float(high if separator else "missing")
+        return {"low": float(low), "high": float(high if separator else "missing")}
     except ValueError:
         raise UsageError(f"{name} is '{text}': give LOW:HIGH, as in {name}={example}") from None

@@ -4,7 +4,6 @@ import atexit
 import json
 import sys
 import tempfile
-import tomllib
 from collections.abc import Iterable, Mapping
 from contextvars import ContextVar
 from pathlib import Path
@@ -157,14 +156,10 @@ def written_by_us(file: Path) -> bool:
 
 
 def _read(path: Path) -> dict[str, Any]:
-    try:
-        given = tomllib.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise UsageError(f"options file {path} cannot be read: {error.strerror}") from None
-    except ValueError as error:
-        raise UsageError(f"options file {path} is not TOML: {error}") from None
+    from echocal.observations.plan import toml_of  # what it imports takes long
+
     values: dict[str, Any] = {}
-    for name, value in given.items():
+    for name, value in toml_of(path, "options file").items():
         option = name.replace("_", "-")
         if option not in KNOWN:
             raise UsageError(

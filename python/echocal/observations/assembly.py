@@ -123,7 +123,11 @@ class Assembly:
             self._mark(unset, f"{source.column} before 1990", source)
             self._check_filled(np.where(outside | unset, np.inf, values), source)
             if self.part is None:
-                self.notes += checks.outside_years(given, outside, source)
+                for first in np.flatnonzero(outside)[:1]:
+                    self.notes.append(
+                        f"{source.column} has no time of the years {clock.YEARS[0]} to {clock.YEARS[1]} in "
+                        f"{rows(outside.sum())}, first at {row(first)}: {given.iloc[first]}"
+                    )
                 self.notes += self._order(values, source)
             return values
         checks.refuse_truth(self.table[source.column], source)
@@ -149,7 +153,7 @@ class Assembly:
 
     def _order(self, values: Column, source: Assignment) -> list[str]:
         bursts = bool({"group", "order"} & set(self.plan.assignments))
-        return [*checks.newest_first(values, source), *clock.said_of_order(values, source, bursts=bursts)]
+        return clock.said_of_order(values, source, bursts=bursts)
 
     def _numbers(self, column: str, source: Assignment | None = None) -> Column:
         """Numbers of a column; a few texts in it make their rows unusable."""

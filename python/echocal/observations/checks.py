@@ -11,7 +11,6 @@ import pandas as pd
 from echocal.arrays import Column, Mask
 from echocal.errors import DataError
 from echocal.keywords import keyword
-from echocal.observations.clock import YEARS
 from echocal.observations.fields import row, rows
 from echocal.observations.plan import EVERYTHING, Assignment
 from echocal.observations.quantiles import median as middle
@@ -52,39 +51,6 @@ def refuse_truth(values: pd.Series[Any], assignment: Assignment) -> None:
             f"if it is something else: {keyword('columns', {column: 'extra'})} (or "
             f"{keyword('columns', {column: 'ignore'})})"
         )
-
-
-def newest_first(elapsed: Column, assignment: Assignment) -> list[str]:
-    """A sentence where times fall from row to row: what depends on the order then looks the wrong way.
-
-    Parameters
-    ----------
-    elapsed : ndarray, shape (n,)
-        Time of each row [s].
-    """
-    finite = np.isfinite(elapsed)
-    steps = np.diff(elapsed if finite.all() else elapsed[finite])
-    if not len(steps) or steps.min() >= 0.0:
-        return []
-    falling, rising = int((steps < 0.0).sum()), int((steps > 0.0).sum())
-    if falling <= rising:
-        return []
-    return [
-        f"{assignment.column} falls in {falling} of {rows(len(steps))}, as where the newest row comes first; "
-        "rows stay in their order, and what depends on it (rows that follow each other) is better told "
-        "of a table sorted by time"
-    ]
-
-
-def outside_years(given: pd.Series[Any], outside: Mask, assignment: Assignment) -> list[str]:
-    """A sentence on times that no sensor was read at."""
-    if not outside.any():
-        return []
-    first = int(np.flatnonzero(outside)[0])
-    return [
-        f"{assignment.column} has no time of the years {YEARS[0]} to {YEARS[1]} in {rows(outside.sum())}, "
-        f"first at {row(first)}: {given.iloc[first]}"
-    ]
 
 
 def refuse_other_unit(values: Column, seen: Ends, assignment: Assignment, trusted: Collection[str]) -> None:

@@ -230,7 +230,7 @@ def not_set(times: Instants) -> Mask:
 
 
 def said_of_order(elapsed: Column, source: Assignment, *, bursts: bool) -> list[str]:
-    """Sentences on times that go back, and on rows at the time of the row before.
+    """Sentences on times that go back, in most rows or in some, and on rows at the time of the row before.
 
     Parameters
     ----------
@@ -243,7 +243,13 @@ def said_of_order(elapsed: Column, source: Assignment, *, bursts: bool) -> list[
     steps = np.diff(elapsed[known])
     falling, still = np.flatnonzero(steps < 0.0), np.flatnonzero(steps == 0.0)
     said = []
-    if 0 < len(falling) <= int((steps > 0.0).sum()):
+    if len(falling) > int((steps > 0.0).sum()):
+        said.append(
+            f"{source.column} falls in {len(falling)} of {rows(len(steps))}, as where the newest row comes "
+            "first; rows stay in their order, and what depends on it (rows that follow each other) is better "
+            "told of a table sorted by time"
+        )
+    elif len(falling):
         first = falling[0]
         said.append(
             f"{source.column} goes back in {rows(len(falling))}, first at {row(known[first + 1])}, by "

@@ -61,36 +61,20 @@ def told(joined: Mapping[str, Join]) -> list[str]:
 
 @dataclass(frozen=True)
 class Found:
-    """What stands in a log beside its values.
+    """What stands in a log beside its values."""
 
-    Attributes
-    ----------
-    kind : str
-        What a person calls the format.
-    units : mapping of str to str
-        Units of columns that the log gives beside their names.
-    notes : tuple of str
-        What a person should know, one sentence each.
-    corrupt : mapping of int to str
-        Reason of each row that could not be read.
-    streams : bool
-        Whether `echocal correct` can keep the file line by line.
-    requests : mapping of str to str
-        What columns hold by their values or by how the log is written: times, the values of known programs.
-    sure : tuple of str
-        Those of them that are right, however unusual: the log writes the unit beside each value.
-    joined : mapping of str to Join
-        Columns whose values were recorded at other times than those of the rows.
-    """
-
-    kind: str = ""
+    kind: str = ""  # what a person calls the format
     units: Mapping[str, str] = field(default_factory=dict)
-    notes: tuple[str, ...] = ()
-    corrupt: Mapping[int, str] = field(default_factory=dict)
-    streams: bool = True
+    """Units of columns that the log gives beside their names."""
+    notes: tuple[str, ...] = ()  # what a person should know, one sentence each
+    corrupt: Mapping[int, str] = field(default_factory=dict)  # reason of each row that could not be read
+    streams: bool = True  # whether `echocal correct` can keep the file line by line
     requests: Mapping[str, str] = field(default_factory=dict)
+    """What columns hold by their values or by how the log is written: times, the values of known programs."""
     sure: tuple[str, ...] = ()
+    """Those of them that are right, however unusual: the log writes the unit beside each value."""
     joined: Mapping[str, Join] = field(default_factory=dict)
+    """Columns whose values were recorded at other times than those of the rows."""
 
 
 def keep(table: pd.DataFrame, found: Found) -> pd.DataFrame:

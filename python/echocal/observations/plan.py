@@ -58,16 +58,21 @@ def read_columns(columns: Mapping[str, str] | str | Path | None) -> dict[str, st
     if not isinstance(columns, str | Path):
         raise UsageError(f'columns map names to what they hold, {{"SR_U": "reading_m"}}; got {columns!r}')
     path = Path(columns)
-    try:
-        pairs: dict[str, Any] = tomllib.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise UsageError(f"column file {path} cannot be read: {error.strerror}") from None
-    except ValueError as error:  # not TOML, not UTF-8
-        raise UsageError(f'column file {path} is not TOML: {error}; a line is "SR_U" = "reading_m"') from None
+    pairs = toml_of(path, "column file", '; a line is "SR_U" = "reading_m"')
     wrong = [column for column, request in pairs.items() if not isinstance(request, str)]
     if wrong:
         raise UsageError(f'column file {path}: "{wrong[0]}" is no text; a line is "SR_U" = "reading_m"')
     return {column.strip(): request for column, request in pairs.items()}
+
+
+def toml_of(path: Path, what: str, way_out: str = "") -> dict[str, Any]:
+    """What a TOML file holds. Raises `UsageError` if it cannot be read."""
+    try:
+        return tomllib.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise UsageError(f"{what} {path} cannot be read: {error.strerror}") from None
+    except ValueError as error:  # not TOML, not UTF-8
+        raise UsageError(f"{what} {path} is not TOML: {error}{way_out}") from None
 
 
 def refuse_absent(names: Iterable[str], columns: Collection[str]) -> None:
