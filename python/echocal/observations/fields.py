@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from echocal.arrays import Column
 from echocal.errors import DataError
 from echocal.keywords import keyword
 
@@ -72,6 +73,11 @@ def fields(values: pd.Series[Any], column: str) -> pd.Series[Any]:
         for position, field in enumerate(objects)
     ]
     return pd.Series(texts, index=values.index, dtype=object)
+
+
+def floats(values: pd.Series[Any]) -> Column:
+    """Numbers of a column, NaN where a field is none."""
+    return pd.to_numeric(values, errors="coerce").to_numpy(dtype=np.float64, na_value=np.nan)
 
 
 def is_empty(field: Any) -> bool:

@@ -13,7 +13,7 @@ import pandas as pd
 
 from echocal.errors import EchocalError
 from echocal.observations.doubtful import note_of, sensors_in
-from echocal.observations.fields import span
+from echocal.observations.fields import floats, span
 from echocal.observations.found import found_in
 from echocal.observations.names import EXTRA, IGNORE
 from echocal.observations.options import ReadOptions
@@ -163,7 +163,7 @@ def _facts(
 ) -> ColumnFacts:
     name = str(values.name)
     unit = units.get(name, "") or split_unit(name)[1].replace("percent", "%").replace("_", "/")
-    numbers = pd.to_numeric(values, errors="coerce").to_numpy(dtype=np.float64, na_value=np.nan)
+    numbers = floats(values)
     finite = numbers[np.isfinite(numbers)]
     empty = int(values.isna().sum() + (values.astype(object) == "").sum())
     filled = len(values) - empty

@@ -14,6 +14,7 @@ import pandas as pd
 
 from echocal.arrays import Column
 from echocal.observations.dates import DAY
+from echocal.observations.fields import floats
 from echocal.observations.found import Found
 from echocal.observations.readers.times import together
 
@@ -56,7 +57,7 @@ def step(table: pd.DataFrame, found: Found) -> tuple[pd.DataFrame, Found]:
     if "time" in table.columns and not pd.api.types.is_numeric_dtype(table["time"]):
         return table, found
     if beside := _beside_a_date(table):
-        hours = _in_hours({"hour": _numbers(table[beside[1]])}, {"hour": beside[1]})["hour"]
+        hours = _in_hours({"hour": floats(table[beside[1]])}, {"hour": beside[1]})["hour"]
         minutes = np.round(_MINUTES * hours)
         clock = [None if np.isnan(m) else f"{int(m) // 60:02d}:{int(m) % 60:02d}" for m in minutes]
         return together(table, found, *beside, clock)
@@ -65,10 +66,10 @@ def step(table: pd.DataFrame, found: Found) -> tuple[pd.DataFrame, Found]:
     if not {"year", *days} <= {*columns}:
         return table, found
     used = {piece: name for piece, name in columns.items() if piece in {"year", *days, *_clock(columns)}}
-    values = _in_hours({piece: _numbers(table[name]) for piece, name in used.items()}, used)
+    values = _in_hours({piece: floats(table[name]) for piece, name in used.items()}, used)
     if "hour" in values and "second" in columns and (values["hour"] % 1.0).any() and "minute" not in used:
         used["second"] = columns["second"]  # of hours and minutes as one number
-        values["second"] = _numbers(table[used["second"]])
+        values["second"] = floats(table[used["second"]])
     one_number = {"hour"} if "minute" not in used else set()
     finest = next(piece for piece in ("second", "minute", "hour", "day", "day_of_year") if piece in values)
     if not all(_is_piece(piece, own, piece in {finest, *one_number}) for piece, own in values.items()):
@@ -91,7 +92,7 @@ def _beside_a_date(table: pd.DataFrame) -> tuple[str, str] | None:
     clocks = [n for n in map(str, table) if _plain(n) in _HHMM - {"time"}]
     if "time" in table.columns or (len(days), len(clocks)) != (1, 1):
         return None
-    hours = _in_hours({"hour": _numbers(table[clocks[0]])}, {"hour": clocks[0]})["hour"]
+    hours = _in_hours({"hour": floats(table[clocks[0]])}, {"hour": clocks[0]})["hour"]
     return (days[0], clocks[0]) if _is_piece("hour", hours, finest=True) else None
 
 
@@ -135,11 +136,6 @@ def _in_hours(values: dict[str, Column], used: dict[str, str]) -> dict[str, Colu
 def _clock(columns: dict[str, str]) -> list[str]:
     """Pieces of the clock: a minute without its hour is none."""
     return [p for p in ("hour", "minute", "second") if p in columns and _COARSER.get(p, p) in columns]
-
-
-def _numbers(values: pd.Series[Any]) -> Column:
-    numbers = pd.to_numeric(values, errors="coerce")
-    return np.asarray(numbers.to_numpy(dtype=np.float64, na_value=np.nan))
 
 
 def _is_piece(piece: str, values: Column, finest: bool) -> bool:

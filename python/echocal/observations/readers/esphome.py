@@ -9,6 +9,7 @@ import numpy as np
 import pandas as pd
 
 from echocal.keywords import keyword
+from echocal.observations.fields import floats
 from echocal.observations.numbers import says_no_echo
 from echocal.observations.readers.events import Event, ranger_names, rows_of
 from echocal.observations.readers.log import Log
@@ -157,8 +158,7 @@ def _finer(table: pd.DataFrame, first: str, second: str, units: Mapping[str, str
         digits = max(
             (len(str(v).partition(".")[2]) for v in table[name].dropna() if str(v) != "nan"), default=0
         )
-        values = pd.to_numeric(table[name], errors="coerce").to_numpy(dtype=np.float64, na_value=np.nan)
-        numbers.append(unit[0].units[unit[1]].to_si(values))
+        numbers.append(unit[0].units[unit[1]].to_si(floats(table[name])))
         steps.append(float(unit[0].units[unit[1]].to_si(10.0**-digits)))
     apart = np.abs(numbers[0] - numbers[1])
     both = np.isfinite(apart)

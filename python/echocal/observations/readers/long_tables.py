@@ -9,6 +9,7 @@ import numpy as np
 import pandas as pd
 
 from echocal.arrays import Column, Labels, Mask
+from echocal.observations.fields import floats
 from echocal.observations.found import Found, Join, told
 from echocal.observations.in_time import Clock, clock_of, joined
 from echocal.observations.readers.events import changes_smoothly, ranger_names
@@ -45,7 +46,7 @@ def step(table: pd.DataFrame, found: Found) -> tuple[pd.DataFrame, Found]:
     if name.lower() in _ALSO_SENSORS and not any(changes_smoothly(n, units.get(n, "")) for n in kinds):
         return table, found
     of_kind = table[name].astype(object)
-    values = pd.to_numeric(table[value], errors="coerce").to_numpy(dtype=np.float64)
+    values = floats(table[value])
     own = (of_kind == lead).to_numpy()
     tags = [str(c) for c in table.columns if c != name and _is_tag(str(c), lower)]
     wide = table.loc[own, [c for c in table.columns if c == time or c in tags]].reset_index(drop=True)

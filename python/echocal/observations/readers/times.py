@@ -7,11 +7,10 @@ from collections.abc import Iterable
 from dataclasses import replace
 from typing import Any
 
-import numpy as np
 import pandas as pd
 
 from echocal.observations.dates import CLOCK, DAY, MONTH, unwrapped_clock
-from echocal.observations.fields import is_empty
+from echocal.observations.fields import floats, is_empty
 from echocal.observations.found import Found
 from echocal.observations.hints import is_time_name
 from echocal.observations.in_time import counts_per_second
@@ -40,7 +39,7 @@ def step(table: pd.DataFrame, found: Found) -> tuple[pd.DataFrame, Found]:
     for name in named:
         if name in NAMES and name != "time":
             return table, found
-        if scale := _epoch(table[name]):
+        if scale := counts_per_second(floats(table[name])):
             if unit := _UNITS.get(scale):
                 return table, _said(found, name, unit)
             table = table.assign(time_s=table[name] / scale)
@@ -96,12 +95,6 @@ def _share(values: pd.Series[Any], pattern: Any, *, clock: bool | None = None) -
         )
         good += has
     return bool(texts) and 10 * good >= 9 * len(texts)
-
-
-def _epoch(values: pd.Series[Any]) -> float | None:
-    """How many make a second since 1970; None for other numbers."""
-    numbers = pd.to_numeric(values, errors="coerce")
-    return counts_per_second(numbers.to_numpy(dtype=np.float64, na_value=np.nan))
 
 
 def _filled(value: Any) -> bool:
