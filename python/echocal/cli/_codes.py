@@ -8,16 +8,6 @@ from echocal.sensors import Sensor
 from echocal.thermistor import ThermistorCodes, thermistor_of
 
 
-def _temperature_codes(
-    sensor: Sensor | None, lsb: float | None, codes: str | None, zero: float | None, shift: int | None
-) -> TemperatureCodes:
-    """Return the codes of the thermometer: of a known sensor or a DS18B20, but for what is given."""
-    usual = TemperatureCodes() if sensor is None else sensor.temperature
-    _refuse_mixed("temperature", usual, lsb, zero, shift)
-    ends = _range("--temperature-range", codes, "-20:60")
-    return replace(usual, **_given(lsb, zero, shift), **ends)
-
-
 def thermometer(
     ntc: str | None,
     sensor: Sensor | None,
@@ -26,10 +16,13 @@ def thermometer(
     zero: float | None,
     shift: int | None,
 ) -> TemperatureCodes | ThermistorCodes:
-    """Return the codes of a thermistor if there is one, else those of the thermometer."""
+    """Return the codes of a thermistor if there is one, else those of a known sensor or a DS18B20."""
+    given = _given(lsb, zero, shift)
     if ntc is None:
-        return _temperature_codes(sensor, lsb, codes, zero, shift)
-    if sensor is not None or _given(lsb, zero, shift):
+        usual = TemperatureCodes() if sensor is None else sensor.temperature
+        _refuse_mixed("temperature", usual, lsb, zero, shift)
+        return replace(usual, **given, **_range("--temperature-range", codes, "-20:60"))
+    if sensor is not None or given:
         raise UsageError(
             "--ntc states the codes of the thermometer: leave out --sensor, --temperature-lsb, "
             "--temperature-zero and --temperature-shift"

@@ -105,12 +105,10 @@ def added(
     context: typer.Context, parameter: typer.CallbackParam, given: list[str] | None
 ) -> list[str] | None:
     """Pairs of the file before those that are given as flags: these win, for their own column."""
-    if given is None or context.get_parameter_source(parameter.name or "") is None:
-        return given
     source = context.get_parameter_source(parameter.name or "")
-    if source is not None and source.name == "COMMANDLINE":
-        return [*context.meta.get(_KEY, {}).get(parameter.name, []), *given]
-    return given
+    if given is None or source is None or source.name != "COMMANDLINE":
+        return given
+    return [*context.meta.get(_KEY, {}).get(parameter.name, []), *given]
 
 
 def from_stdin(data: Path) -> Path:

@@ -207,10 +207,13 @@ def diagnose_tables(
     origin = dict.fromkeys(sources.tables, tables[0])
     if by is None:
         origin = dict(zip(sources.tables, tables, strict=True))
-    files = _model_files(list(sources.tables), outputs.models)
+    # as `echocal correct --models` looks for it
+    folder, names = outputs.models, named(list(sources.tables), [_SHARED])
+    files = {} if folder is None else {name: folder / file for name, file in names.items()}
     check_outputs(
         *(Output("--models", file, _made_by.model("diagnose", origin[name])) for name, file in files.items()),
-        *_shared(outputs.models, tables[0]),
+        *made_in(outputs.models, "--models", [_SHARED], _made_by.model("diagnose", tables[0])),
+        *made_in(outputs.models, "--models", [INDEX], _made_by.sensor_model()),
         Output("--json", outputs.json, _made_by.result("echocal.pooled_diagnosis", "echocal.diagnosis")),
         Output("--report", outputs.report, _made_by.report("diagnose")),
         inputs=[*tables, *inputs],
@@ -261,18 +264,6 @@ def diagnose_tables(
 def tables_bar(quiet: bool) -> Progress:
     """Progress bar with the number done and the time that it took."""
     return bar(quiet, MofNCompleteColumn(), TimeElapsedColumn())
-
-
-def _model_files(names: Sequence[str], folder: Path | None) -> dict[str, Path]:
-    """File of each table's model, as `echocal correct --models` looks for it."""
-    if folder is None:
-        return {}
-    return {name: folder / file for name, file in named(names, [_SHARED]).items()}
-
-
-def _shared(folder: Path | None, table: Path) -> list[Output]:
-    index = made_in(folder, "--models", [INDEX], _made_by.sensor_model())
-    return [*made_in(folder, "--models", [_SHARED], _made_by.model("diagnose", table)), *index]
 
 
 def _pictures(folder: Path | None, form: str) -> list[Output]:

@@ -72,7 +72,8 @@ def command(
     ends = _span(span)
     if out.suffix.lower() != ".csv":
         raise UsageError(f"--out {out} must end in .csv")
-    check_outputs(Output("--out", out, _measured), inputs=[*reading.files], force=force)
+    # the rows of an earlier experiment are measured data: no existing table may be replaced unasked
+    check_outputs(Output("--out", out, lambda _: False), inputs=[*reading.files], force=force)
     with ExitStack() as at_end:
         source = None if port is None else Port(port, baud)
         if source is not None:
@@ -82,7 +83,8 @@ def command(
     if walk.ruler.table.empty:
         raise DataError(f"no placement was measured, so {out} is not written")
     given = reading_words(Given(**walk.ruler.reading()))
-    again = command_line(str(out), base=None if base == "linear" else base, **given, out=_folder(out))
+    folder = None if out.parent == Path() else out.parent
+    again = command_line(str(out), base=None if base == "linear" else base, **given, out=folder)
     walk.say(f"\n{again}")
     from echocal.cli import app  # which imports this file when the command runs
 
@@ -238,12 +240,6 @@ class _Walk:
         self.say(f"  so far {word}: {short.wrong}\n  {short.size} {short.sure}")
 
 
-def _measured(file: Path) -> bool:
-    """No existing table may be replaced unasked: the rows of an earlier experiment are measured data."""
-    del file
-    return False
-
-
 def _span(text: str) -> Span:
     near, _, far = text.partition(":")
     try:
@@ -255,10 +251,6 @@ def _span(text: str) -> Span:
     if not ends[0] < ends[1]:
         raise UsageError(f"--span '{text}': the nearer place comes first, such as 0.3:3")
     return ends
-
-
-def _folder(out: Path) -> Path | None:
-    return None if out.parent == Path() else out.parent
 
 
 def _meters(text: str) -> float:

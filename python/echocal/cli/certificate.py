@@ -57,6 +57,7 @@ def command(
             uncertainties=uncertainties or (),
             coverage=coverage,
         )
+    table = own.provenance.get("table")
     identification = {
         "device": device or "not stated",
         "issued by": issued_by or "not stated",
@@ -64,17 +65,11 @@ def command(
         "model file": f"{model.name}, hash {own.hash}",
         "data file": f"{data.name}, SHA-256 {sha256_of(data)}",
         "rows": f"{len(found.rows)} of {len(observations)}",
-        **_origin(own),
     }
+    if isinstance(table, str):
+        identification["model from"] = f"{table}, by {own.provenance.get('made_by', '')}"
     save_certificate(found, out, identification, this_command())
     write_json(found.budget.to_dict(), json)
     if not quiet and json != "-":
         Console(soft_wrap=True).print(f"{found.decision}: {found.statement}", markup=False)
     end(found.decision)
-
-
-def _origin(model: Model) -> dict[str, str]:
-    table = model.provenance.get("table")
-    return (
-        {"model from": f"{table}, by {model.provenance.get('made_by', '')}"} if isinstance(table, str) else {}
-    )

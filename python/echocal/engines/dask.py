@@ -51,7 +51,7 @@ class _Dask:
         seen = time.monotonic()
         with self._whole_errors():
             while coming or running:
-                threads = self._threads()
+                threads = sum(self._client.nthreads().values())
                 while coming and len(running) < (1 if alone else max(2 * threads, 2)):
                     task = coming.popleft()
                     running[self._client.submit(work, task, pure=False)] = task
@@ -86,9 +86,6 @@ class _Dask:
             raise UsageError(
                 f"{self.name} is gone ({error}); what is complete stays: run again when it is back"
             ) from None
-
-    def _threads(self) -> int:
-        return sum(self._client.nthreads().values())
 
 
 @contextmanager

@@ -41,10 +41,10 @@ class Engine(Protocol):
 
         Empty where all workers are of this installation and of this machine.
         """
-        ...
+        return {}
 
 
-class Here:
+class Here(Engine):
     """The process itself."""
 
     name = "this process"
@@ -54,7 +54,3 @@ class Here:
         """Run tasks."""
         for task in tasks:
             yield task, work(task)
-
-    def ask(self, question: Callable[..., Any], *given: Any) -> dict[str, Any]:
-        """Nobody to ask."""
-        return {}
