@@ -18,13 +18,7 @@ _PLAIN = str.maketrans(
 
 
 class Console(rich.console.Console):
-    """A console whose texts cannot steer the terminal: notes, tables, reports; see `visible`.
-
-    Parameters
-    ----------
-    **options
-        As of `rich.console.Console`.
-    """
+    """A console whose texts cannot steer the terminal: notes, tables, reports; see `visible`."""
 
     def __init__(self, **options: Any) -> None:
         super().__init__(**options)

@@ -47,19 +47,7 @@ _PICTURES = (b"\x89PNG", b"%PDF", b"%!PS", b"<?xml")
 
 
 def sign(model: Model, command: str, source: Path, out: Path) -> Model:
-    """Return a model that records the command and the table that it was made from, with a checksum.
-
-    Parameters
-    ----------
-    model : Model
-        The model.
-    command : str
-        Command that made it.
-    source : Path
-        The table.
-    out : Path
-        File that the model goes into.
-    """
+    """Return a model, to go into `out`, that records command and table that made it, with a checksum."""
     known = {**model.provenance, **_origin(command, source, out)}
     return model.with_provenance({**known, _SEAL: _seal(known)})
 

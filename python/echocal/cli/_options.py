@@ -66,14 +66,7 @@ def stated(name: str) -> bool:
 def refuse_others(used: Iterable[str], but: str) -> None:
     """Refuse options that the user gives and that the running command does not use this time.
 
-    Raises `UsageError` with each of them.
-
-    Parameters
-    ----------
-    used : iterable of str
-        Names of the parameters that it uses.
-    but : str
-        What it does instead, and the way out.
+    Raises `UsageError` with each of them; `but` says what it does instead, and the way out.
     """
     useless = sorted(map(keyword, _stated.get() - {*used}))
     if useless:

@@ -90,15 +90,7 @@ class _Dask:
 
 @contextmanager
 def scheduler(address: str) -> Iterator[Engine]:
-    """Connect to a scheduler.
-
-    Raises `UsageError` if it does not answer, or has no worker.
-
-    Parameters
-    ----------
-    address : str
-        ``HOST:PORT``.
-    """
+    """Connect to a scheduler at HOST:PORT. Raises `UsageError` if it does not answer, or has no worker."""
     distributed = _distributed()
     name = f"Dask scheduler {address}"
     if not re.fullmatch(r".+:\d+", address):

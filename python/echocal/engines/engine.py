@@ -9,30 +9,16 @@ Work = Callable[[Task], Result]
 
 
 class Engine(Protocol):
-    """Runs tasks, each at least once.
+    """Runs tasks, each at least once."""
 
-    Attributes
-    ----------
-    name : str
-        As a message says it: "Dask scheduler tcp://10.0.0.5:8786".
-    inside : bool
-        Whether tasks run in this process, so that they can tell how far they are.
-    """
-
-    name: str
-    inside: bool
+    name: str  # as a message says it: "Dask scheduler tcp://10.0.0.5:8786"
+    inside: bool  # whether tasks run in this process, so that they can tell how far they are
 
     def run(self, work: Work, tasks: Sequence[Task]) -> Iterator[tuple[Task, Result | None]]:
         """Each task with its result, as they end; None of a task that keeps losing its worker.
 
-        What `work` raises ends the run.
-
-        Parameters
-        ----------
-        work : callable
-            A function of a module, which workers import.
-        tasks : sequence of mapping
-            Plain data.
+        What `work` raises ends the run. It is a function of a module, which workers import; tasks are plain
+        data.
         """
         ...
 

@@ -17,13 +17,7 @@ def processors() -> int:
 
 
 class Processes(Engine):
-    """Several processes of this machine, which run the same files.
-
-    Parameters
-    ----------
-    count : int
-        Number of processes.
-    """
+    """Several processes of this machine, which run the same files."""
 
     inside = False
 

@@ -41,10 +41,7 @@ _SHOWN = 3
 class Worker:
     """A process that is started anew: a copy of this one might have locks that its threads held.
 
-    Parameters
-    ----------
-    work : callable
-        A function of a module.
+    Its work is a function of a module.
     """
 
     def __init__(self, work: Work) -> None:
@@ -159,14 +156,9 @@ def _environment(more: Mapping[str, str]) -> Iterator[None]:
 
 
 def check_workers(engine: Engine, question: Mapping[str, Any]) -> None:
-    """Ask every worker for its version, and for what it sees.
+    """Ask every worker for its version, and a question of `sees`.
 
     Raises `UsageError` if a worker would do other work than this process; the text names the worker.
-
-    Parameters
-    ----------
-    question : mapping
-        See `sees`.
     """
     wrong = {
         worker: f"has {found}" for worker, own in engine.ask(eval, _VERSION).items() if (found := _other(own))
@@ -181,12 +173,9 @@ def check_workers(engine: Engine, question: Mapping[str, Any]) -> None:
 def sees(question: Mapping[str, Any]) -> str:
     """What a worker does not see as the process that asks does; empty if all is the same.
 
-    Parameters
-    ----------
-    question : mapping
-        Plain data. ``files``: sizes of files [B] by their paths. ``written``: a path, and the SHA-256 of
-        what the process that asks has written there. ``models``: models as a job has them, and ``digest``:
-        theirs.
+    The question is plain data. ``files``: sizes of files [B] by their paths. ``written``: a path, and the
+    SHA-256 of what the process that asks has written there. ``models``: models as a job has them, and
+    ``digest``: theirs.
     """
     try:
         for path, size in question.get("files", {}).items():

@@ -54,18 +54,10 @@ def refuse_truth(values: pd.Series[Any], assignment: Assignment) -> None:
 
 
 def refuse_other_unit(values: Column, seen: Ends, assignment: Assignment, trusted: Collection[str]) -> None:
-    """Refuse a column that is in another unit, by the look of its median.
+    """Refuse a column that is in another unit than its name says, by the look of its median.
 
-    Raises `DataError` if the median cannot be, or is ordinary only in another unit.
-
-    Parameters
-    ----------
-    values : ndarray, shape (n,)
-        Values in the unit that the column's name says.
-    seen : (float, float)
-        Their `ends`.
-    trusted : collection of str
-        Columns that the user declares to be right.
+    `seen` are the `ends` of the values; columns that are trusted are right by the user's word. Raises
+    `DataError` if the median cannot be, or is ordinary only in another unit.
     """
     column, form, unit = assignment.column, assignment.form, assignment.unit
     usual = form.typical or form.physical
@@ -133,12 +125,7 @@ def still_refused(observations: Observations) -> str:
 def impossible(values: Column, seen: Ends, assignment: Assignment) -> tuple[Mask, list[str]]:
     """Rows whose value cannot be, and a sentence on each kind of them.
 
-    Parameters
-    ----------
-    values : ndarray, shape (n,)
-        Values in the unit that the column's name says.
-    seen : (float, float)
-        Their `ends`.
+    Values are in the unit that the column's name says; `seen` are their `ends`.
     """
     form = assignment.form
     low, high = sorted(assignment.unit.from_si(bound) for bound in form.physical)

@@ -232,12 +232,7 @@ def not_set(times: Instants) -> Mask:
 def said_of_order(elapsed: Column, source: Assignment, *, bursts: bool) -> list[str]:
     """Sentences on times that go back, in most rows or in some, and on rows at the time of the row before.
 
-    Parameters
-    ----------
-    elapsed : ndarray, shape (n,)
-        Time of each row [s].
-    bursts : bool
-        Whether rows belong to bursts, which share a time.
+    The times are in seconds. Rows that belong to bursts share a time.
     """
     known = np.flatnonzero(np.isfinite(elapsed))
     steps = np.diff(elapsed[known])
@@ -268,13 +263,8 @@ def refuse_other_clock(seconds: Column, source: Assignment) -> None:
     """Refuse a count of time whose steps make sense only in another unit.
 
     A program that counts milliseconds or microseconds makes whole numbers with nearly even steps. Taken for
-    seconds, they are hours that are no multiples of half an hour, an hour or a day. Raises `DataError` if
-    they are.
-
-    Parameters
-    ----------
-    seconds : ndarray, shape (n,)
-        Times in the unit that the column's name says [s].
+    seconds, they are hours that are no multiples of half an hour, an hour or a day. The times are those in
+    the unit that the column's name says. Raises `DataError` if they are such.
     """
     known = seconds[np.isfinite(seconds)]
     steps = np.abs(np.diff(known))

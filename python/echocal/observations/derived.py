@@ -14,17 +14,8 @@ _TREND = 10  # rows at the end of a table that say how it goes on
 def derived(conditions: Mapping[str, Column], labels: Mapping[str, Labels]) -> dict[str, Column]:
     """Derive rates of change, later temperatures and positions in bursts, where the table allows it.
 
-    Parameters
-    ----------
-    conditions : mapping of str to ndarray, shape (n,)
-        Recorded influence quantities.
-    labels : mapping of str to ndarray, shape (n,)
-        Codes of ``group`` and values of ``order``.
-
-    Returns
-    -------
-    dict of str to ndarray, shape (n,)
-        By name of the influence quantity; NaN where a row lacks what it is derived from.
+    From recorded influence quantities, codes of ``group`` and values of ``order``. By name of the influence
+    quantity; NaN where a row lacks what it is derived from.
 
     Examples
     --------

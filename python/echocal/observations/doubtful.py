@@ -30,12 +30,8 @@ _FEW = 5  # rows of a sensor on average, at least
 def doubtful_in(table: pd.DataFrame, requests: Mapping[str, str] | None = None) -> dict[str, str]:
     """Why a column is not used unless somebody asks for it, by column.
 
-    Only gaps in rows with a reading count: a row without a reading is lost anyway.
-
-    Parameters
-    ----------
-    requests : mapping of str to str, optional
-        What the user and the log say about columns.
+    Only gaps in rows with a reading count: a row without a reading is lost anyway. The requests are what the
+    user and the log say about columns.
 
     Examples
     --------
@@ -104,13 +100,7 @@ def sensors_in(table: pd.DataFrame) -> dict[str, int]:
 
 
 def note_of(table: pd.DataFrame, used: set[str]) -> str:
-    """Say that a table that is taken for one sensor holds several; empty if it does not.
-
-    Parameters
-    ----------
-    used : set of str
-        Columns that the user gives a meaning.
-    """
+    """Say that a table that is taken for one sensor holds several, by a column that the user does not use."""
     for name, count in sensors_in(table).items():
         if name not in used:
             values = ", ".join(shown(str(value)) for value in table[name].dropna().unique()[:3])

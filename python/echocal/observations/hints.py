@@ -41,12 +41,7 @@ class Hint:
 
 
 def hint(column: str, unit: str = "") -> Hint | None:
-    """What a column may hold by its name and its unit; None where they say nothing, or too little.
-
-    Parameters
-    ----------
-    unit : str
-        Unit that the log gives beside the name.
+    """What a column may hold by its name, and the unit beside it; None where they say nothing, or too little.
 
     Examples
     --------

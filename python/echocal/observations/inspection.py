@@ -97,14 +97,9 @@ class Inspection:
 
 
 def inspect_log(path: Path, options: ReadOptions | None = None) -> Inspection:
-    """Look at a log, without using it.
+    """Look at a log, without using it. The options are what the user says already, ``missing`` by column.
 
     Raises `DataError` if the file cannot be read as a table of any kind.
-
-    Parameters
-    ----------
-    options : ReadOptions, optional
-        What the user says already; ``missing`` by column.
     """
     options = options or ReadOptions()
     missing, how = dict(options.missing), options.given()

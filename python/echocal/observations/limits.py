@@ -47,13 +47,8 @@ def too_long(path: object, number: int, most: int = LINE) -> DataError:
 class Guarded(io.BufferedIOBase):
     """A binary file that refuses a line that is too long when it is met, not when it is in memory.
 
-    A document of JSON may be one line, so that its lines may be longer. Raises `DataError` with the number of
-    the line.
-
-    Parameters
-    ----------
-    path : path
-        How messages name it.
+    A document of JSON may be one line, so that its lines may be longer. Raises `DataError` with the path and
+    the number of the line.
     """
 
     def __init__(self, file: IO[bytes], path: object) -> None:

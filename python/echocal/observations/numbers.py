@@ -60,13 +60,7 @@ _ECHO_OF_CODE = re.compile(r"\s+warnings\.warn\(")
 
 
 class Missing:
-    """The error codes that mean "no value", in the units of the file.
-
-    Parameters
-    ----------
-    codes : collection, or mapping of str to collection
-        Codes for every column, or by column; each a number or a text.
-    """
+    """The error codes that mean "no value", for every column or by column, in the units of the file."""
 
     def __init__(self, codes: Collection[Any] | Mapping[str, Any] = ()) -> None:
         by_column = codes if isinstance(codes, Mapping) else {"": codes}

@@ -71,12 +71,7 @@ def quantiles(values: Column, parts: Sequence[float]) -> list[float]:
 
 
 class Grouped:
-    """Medians of groups of rows.
-
-    Parameters
-    ----------
-    labels : ndarray of int, shape (n,)
-        Group of each row, from 0 on.
+    """Medians of groups of rows, which are numbered from 0 on.
 
     Examples
     --------

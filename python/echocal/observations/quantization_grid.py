@@ -35,17 +35,9 @@ class QuantizationGrid:
 
 
 def find_grid(values: Column) -> QuantizationGrid | None:
-    """Find the largest step of which all differences are multiples.
+    """Find the largest step of which all differences of values are multiples; NaN is a value that is missing.
 
-    Parameters
-    ----------
-    values : ndarray, shape (n,)
-        NaN where a value is missing.
-
-    Returns
-    -------
-    QuantizationGrid or None
-        None where values are not quantized, or too few differ.
+    None where values are not quantized, or too few differ.
     """
     known = np.isfinite(values)
     finite = values if known.all() else values[known]
