@@ -155,17 +155,7 @@ def numbers(
 def value_at(axis: Mapping[str, Any], code: Any) -> Any:
     """Return what the function takes a code for: the middle of its step, where bits are dropped.
 
-    Parameters
-    ----------
-    axis : mapping
-        A condition of ``report["device"]``.
-    code : int or array_like of int, shape (...)
-        Codes.
-
-    Returns
-    -------
-    float or ndarray, shape (...)
-        Values in the unit of the axis.
+    In the unit of the axis, a condition of ``report["device"]``.
 
     Examples
     --------

@@ -31,24 +31,11 @@ def unmasked(given: Any) -> NDArray[Any]:
 def columns(
     first: ArrayLike, conditions: Mapping[str, ArrayLike | None]
 ) -> tuple[tuple[int, ...], list[NDArray[np.float64]]]:
-    """Broadcast a column and its conditions against each other.
+    """Broadcast a column (a distance, a time) and its conditions against each other.
 
-    Raises `UsageError` if a name is unknown, a value is no real number, or the shapes cannot be broadcast.
-
-    Parameters
-    ----------
-    first : array_like
-        The column that the conditions belong to (a distance, a time).
-    conditions : mapping of str to array_like
-        Values by name of the influence quantity; absent or None means its default, NaN if it
-        has none.
-
-    Returns
-    -------
-    tuple of int
-        The common shape.
-    list of ndarray
-        The column, then one flat array per quantity, all of the same length.
+    The common shape, and the column, then one flat array per quantity, all of the same length. A quantity
+    that is absent or None has its default, NaN if it has none. Raises `UsageError` if a name is unknown, a
+    value is no real number, or the shapes cannot be broadcast.
     """
     refuse_unknown(conditions)
     given = {name: value for name, value in conditions.items() if value is not None}

@@ -39,17 +39,8 @@ def expanded_uncertainty(
 ) -> dict[str, Any]:
     """Expanded uncertainties of a device's outputs, and a line that is nowhere below them.
 
-    Parameters
-    ----------
-    model : Model
-        The model that the device follows.
-    report : mapping
-        What was proven.
-    air : mapping of str to float
-        Values of what the device does not measure.
-    stated : Uncertainties
-        What the user states. Where the model has no repeatability, the published uncertainty of its law
-        counts, too.
+    The report has what was proven, and the air what the device does not measure. Where the model has no
+    repeatability, the published uncertainty of its law counts beside what the user states.
 
     Returns
     -------

@@ -44,24 +44,11 @@ class Accepted:
 
 
 def accepted(model: _core.Model, request: Mapping[str, Any], echo: Echo) -> Accepted:
-    """Return the echo times that a device accepts.
+    """Return the echo times that a device accepts, by the request to the core without the echo.
 
-    Raises `UsageError` if a default end leaves no echo time between the two.
-
-    Parameters
-    ----------
-    model : _core.Model
-        The model that the firmware follows.
-    request : mapping
-        The request to the core, without the echo.
-    echo : float, EchoCodes, tuple or None
-        The requested echo times. Defaults follow from the model: the earliest echo from `BLANKING_M`, and the
-        latest echo from the largest bounded distance, over all conditions.
-
-    Returns
-    -------
-    Accepted
-        The accepted echo times. The core refuses ends that are not codes.
+    Defaults follow from the model: the earliest echo from `BLANKING_M`, and the latest echo from the largest
+    bounded distance, over all conditions. The core refuses ends that are not codes. Raises `UsageError` if a
+    default end leaves no echo time between the two.
     """
     asked = _asked(echo)
     tick, shortest, longest, bits = float(asked.lsb), asked.shortest, asked.longest, int(asked.bits)
@@ -123,21 +110,8 @@ def _last(
 ) -> tuple[float, str | None]:
     """Return the echo time [us] of the code that the longest echo gives, however the timer rounds.
 
-    Parameters
-    ----------
-    latest : list of float
-        Longest echo time at each of `distances` [us].
-    timer : tuple of float and int
-        Tick of the timer [us], and its bits.
-    most : float
-        The longest default echo time [us].
-    distances : list of float
-        The blanking distance and the largest one [m].
-
-    Returns
-    -------
-    tuple of float and (str or None)
-        The echo time, at most `most`; why it is cut, if it is.
+    At most `most` [us], and why it is cut, if it is. `latest` are the longest echo times [us] at the blanking
+    distance and the largest one [m]; the timer has a tick [us] and bits.
     """
     (tick, bits), far, largest = timer, latest[1], distances[1]
     if not (math.isfinite(far) and far > 0):

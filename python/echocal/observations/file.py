@@ -37,36 +37,19 @@ _DATABASE = ".db3"  # of ROS 2: SQLite, which other programs use, too
 class TextFile:
     """A file of a table: text, gzipped or not, unless its first bytes say otherwise.
 
-    Raises `DataError` if it cannot be opened, is of a kind that is not read, or does not begin as text does.
-
-    Parameters
-    ----------
-    path : Path
-    layout : Layout
-        How its text is written.
-
-    Attributes
-    ----------
-    path : Path
-    layout : Layout
-        The same, with the encoding that was seen.
-    is_parquet, is_spreadsheet, is_zipped : bool
-    recording : str
-        What a person calls it where it is a recording of messages; else empty.
-    above : list of str
-        Lines that the layout skips.
-    first : list of str
-        The lines below, as far as a format or a header is looked for.
+    Its layout has the encoding that was seen. Raises `DataError` if it cannot be opened, is of a kind that is
+    not read, or does not begin as text does.
     """
 
     def __init__(self, path: Path, layout: Layout) -> None:
         self.path, self.layout = path, layout
-        self.above: list[str] = []
-        self.first: list[str] = []
+        self.above: list[str] = []  # lines that the layout skips
+        self.first: list[str] = []  # the lines below, as far as a format or a header is looked for
         with _opened(path) as file:
             begins = self._begins = file.read(8)
             self.is_zipped = begins.startswith(_ZIPPED)
             self.is_parquet, self.is_spreadsheet = begins[:4] == _PARQUET, begins.startswith(_SPREADSHEETS)
+            # what a person calls it where it is a recording of messages; else empty
             self.recording = _recording(path, begins)
             if self.recording:
                 return

@@ -91,16 +91,9 @@ def _first_lines(lines: list[str], skip: int, path: str) -> tuple[int, str, list
 
 
 def find_head(lines: Sequence[str], skipped: int, before: str) -> Head:
-    """Find the header in the first lines of a text.
+    """Find the header in the first lines of a text, without their ends, the first not blank and no comment.
 
-    Parameters
-    ----------
-    lines : sequence of str
-        Lines without their ends, the first of them not blank and no comment.
-    skipped : int
-        Lines above them.
-    before : str
-        The comment right above them; empty without one.
+    So many lines above them are skipped, and `before` is the comment right above them, or empty.
     """
     given = _SEP_LINE.fullmatch(lines[0].strip())
     if given and not given[1].isascii():

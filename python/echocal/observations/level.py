@@ -77,15 +77,8 @@ def _length(values: Column, of: Assignment) -> Column:
 def refuse_unit(level: Column, beside: Column, usable: Mask, own: Assignment, other: Assignment) -> None:
     """Refuse a level that changes by another power of ten than the distance beside it.
 
-    Raises `DataError` with what both change by, and the unit in which they agree.
-
-    Parameters
-    ----------
-    level, beside : ndarray, shape (n,)
-        The level, or the distance that it stands for [m]; the distance beside it [m], or echo times [s].
-    usable : ndarray of bool, shape (n,)
-    own, other : Assignment
-        Their columns.
+    The level, or the distance that it stands for [m], is in `own`; the distance beside it [m], or echo times
+    [s], in `other`. Raises `DataError` with what both change by, and the unit in which they agree.
     """
     known = usable & np.isfinite(level) & np.isfinite(beside)
     if known.sum() < LEAST:
@@ -123,19 +116,8 @@ def refuse_level(
 ) -> None:
     """Refuse a reference distance whose sum with the reading is nearly constant, and their difference is not.
 
-    Raises `DataError` if it looks like a level.
-
-    Parameters
-    ----------
-    reference : ndarray, shape (n,)
-        What the table gives as reference distance [m].
-    reading : ndarray, shape (n,), or None
-        What the device indicates [m].
-    echo_time : ndarray, shape (n,)
-        Taken where there is no reading [s].
-    usable : ndarray of bool, shape (n,)
-    column, name : str
-        Name of the column, and what it was taken for (``distance_m``), for the message.
+    Echo times [s] are taken where there is no reading [m]. The message names the column, and what it was
+    taken for (``distance_m``). Raises `DataError` if it looks like a level.
     """
     indicated = 0.5 * _SPEED * echo_time if reading is None else reading
     known = usable & np.isfinite(reference) & np.isfinite(indicated)
