@@ -33,65 +33,6 @@ Columns: TypeAlias = Annotated[
         help='What a column holds: "SR_U=reading_m"; or a TOML file of pairs.',
     ),
 ]
-Missing: TypeAlias = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--missing",
-        metavar="[A=]CODE",
-        callback=added,
-        help='Error code for "no value": -9999, or "Distance [mm]=9999".',
-    ),
-]
-ReadingSpeed: TypeAlias = Annotated[
-    str | None,
-    typer.Option(metavar="C", help='Speed that readings were made with: 343, "331.4+0.6*T", a law.'),
-]
-Trust: TypeAlias = Annotated[
-    list[str] | None,
-    typer.Option("--trust", metavar="A", help="Column that is right although it looks like another unit."),
-]
-TimeZone: TypeAlias = Annotated[str, typer.Option(help="Zone of times without an offset.")]
-SkipLines: TypeAlias = Annotated[int, typer.Option(min=0, help="Lines before the header.")]
-Decimal: TypeAlias = Annotated[
-    str | None, typer.Option(help="Decimal separator of a text file; default: seen in it.")
-]
-At: TypeAlias = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--at",
-        metavar="NAME=VALUE",
-        callback=added,
-        help="Condition that the table has no column for, with its standard uncertainty: temperature=20+-2 "
-        "(degC), humidity=50+-20 (%), pressure=1013 (hPa).",
-    ),
-]
-TimeFormat: TypeAlias = Annotated[
-    str | None,
-    typer.Option(
-        metavar="FORMAT", help='How times are written, as of strptime: "%d/%m/%Y %H:%M"; default: seen.'
-    ),
-]
-Sheet: TypeAlias = Annotated[str | None, typer.Option(metavar="NAME", help="Sheet of a spreadsheet.")]
-MountHeight: TypeAlias = Annotated[
-    float | None,
-    typer.Option(
-        metavar="M",
-        help="Height of the sensor above the zero of a level, in m, with --column NAME=level_m; else fitted.",
-    ),
-]
-ReferenceLog: TypeAlias = Annotated[
-    Path | None,
-    typer.Option(
-        "--reference",
-        metavar="FILE",
-        help="Another log with the reference distances, or levels: joined by time. A correction needs none; "
-        "it leaves out what --column says of it.",
-    ),
-]
-ReferenceJoin: TypeAlias = Annotated[
-    str, typer.Option(metavar="interpolated|nearest", help="How its values come to the times of the rows.")
-]
-Encoding: TypeAlias = Annotated[str, typer.Option(help="Encoding of a text file.")]
 SpreadsheetSafe: TypeAlias = Annotated[
     bool,
     typer.Option(
@@ -109,19 +50,68 @@ Json: TypeAlias = Annotated[
 
 _FLAGS = {
     "columns": Columns,
-    "missing": Missing,
-    "trust": Trust,
-    "reading_speed": ReadingSpeed,
-    "time_zone": TimeZone,
-    "skip_lines": SkipLines,
-    "decimal": Decimal,
-    "encoding": Encoding,
-    "at": At,
-    "time_format": TimeFormat,
-    "sheet": Sheet,
-    "mount_height": MountHeight,
-    "reference": ReferenceLog,
-    "reference_join": ReferenceJoin,
+    "missing": Annotated[
+        list[str] | None,
+        typer.Option(
+            "--missing",
+            metavar="[A=]CODE",
+            callback=added,
+            help='Error code for "no value": -9999, or "Distance [mm]=9999".',
+        ),
+    ],
+    "trust": Annotated[
+        list[str] | None,
+        typer.Option(
+            "--trust", metavar="A", help="Column that is right although it looks like another unit."
+        ),
+    ],
+    "reading_speed": Annotated[
+        str | None,
+        typer.Option(metavar="C", help='Speed that readings were made with: 343, "331.4+0.6*T", a law.'),
+    ],
+    "time_zone": Annotated[str, typer.Option(help="Zone of times without an offset.")],
+    "skip_lines": Annotated[int, typer.Option(min=0, help="Lines before the header.")],
+    "decimal": Annotated[
+        str | None, typer.Option(help="Decimal separator of a text file; default: seen in it.")
+    ],
+    "encoding": Annotated[str, typer.Option(help="Encoding of a text file.")],
+    "at": Annotated[
+        list[str] | None,
+        typer.Option(
+            "--at",
+            metavar="NAME=VALUE",
+            callback=added,
+            help="Condition that the table has no column for, with its standard uncertainty: temperature=20+-2 "
+            "(degC), humidity=50+-20 (%), pressure=1013 (hPa).",
+        ),
+    ],
+    "time_format": Annotated[
+        str | None,
+        typer.Option(
+            metavar="FORMAT", help='How times are written, as of strptime: "%d/%m/%Y %H:%M"; default: seen.'
+        ),
+    ],
+    "sheet": Annotated[str | None, typer.Option(metavar="NAME", help="Sheet of a spreadsheet.")],
+    "mount_height": Annotated[
+        float | None,
+        typer.Option(
+            metavar="M",
+            help="Height of the sensor above the zero of a level, in m, with --column NAME=level_m; else fitted.",
+        ),
+    ],
+    "reference": Annotated[
+        Path | None,
+        typer.Option(
+            "--reference",
+            metavar="FILE",
+            help="Another log with the reference distances, or levels: joined by time. A correction needs none; "
+            "it leaves out what --column says of it.",
+        ),
+    ],
+    "reference_join": Annotated[
+        str,
+        typer.Option(metavar="interpolated|nearest", help="How its values come to the times of the rows."),
+    ],
     "options": Options,
 }
 """Flags of every command that reads a table."""
