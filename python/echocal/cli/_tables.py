@@ -81,8 +81,8 @@ _FLAGS = {
             "--at",
             metavar="NAME=VALUE",
             callback=added,
-            help="Condition that the table has no column for, with its standard uncertainty: temperature=20+-2 "
-            "(degC), humidity=50+-20 (%), pressure=1013 (hPa).",
+            help="Condition that the table has no column for, with its standard uncertainty: "
+            "temperature=20+-2 (degC), humidity=50+-20 (%), pressure=1013 (hPa).",
         ),
     ],
     "time_format": Annotated[
@@ -96,7 +96,8 @@ _FLAGS = {
         float | None,
         typer.Option(
             metavar="M",
-            help="Height of the sensor above the zero of a level, in m, with --column NAME=level_m; else fitted.",
+            help="Height of the sensor above the zero of a level, in m, with --column NAME=level_m; else "
+            "fitted.",
         ),
     ],
     "reference": Annotated[
@@ -104,8 +105,8 @@ _FLAGS = {
         typer.Option(
             "--reference",
             metavar="FILE",
-            help="Another log with the reference distances, or levels: joined by time. A correction needs none; "
-            "it leaves out what --column says of it.",
+            help="Another log with the reference distances, or levels: joined by time. A correction needs "
+            "none; it leaves out what --column says of it.",
         ),
     ],
     "reference_join": Annotated[
