@@ -95,8 +95,8 @@ def sentences(stated: Mapping[str, tuple[float, float]]) -> list[str]:
         more = "" if uncertainty else ", no uncertainty given"
         if uncertainty and quantity == "temperature":
             more = f"; this leaves {_PER_KELVIN * uncertainty:.2%} of each distance open"
-        shown = f"{value * known.factor:g}{spread} {known.unit}{more}"
-        said.append(f"the {quantity.replace('_', ' ')} is stated for all rows, not recorded: {shown}")
+        shown = f"{value * known.factor:g}{spread} {known.unit}".rstrip()
+        said.append(f"the {quantity.replace('_', ' ')} is stated for all rows, not recorded: {shown}{more}")
     return said
 
 
