@@ -88,8 +88,9 @@ def refuse_other_unit(values: Column, seen: Ends, assignment: Assignment, truste
             f"column '{column}' has a median of {median:g}, outside {low:g} .. {high:g}; {advice}"
         )
     said = {assignment.name: unit.to_si(median), **others}
-    symbol = si_unit(form.quantity)
-    read_as = ", ".join(f"as {name} {value:.4g} {symbol}".rstrip() for name, value in said.items())
+    symbol = {"echo_time": "s", "reading": "m", "reference_distance": "m"}.get(form.quantity)
+    symbol = QUANTITIES[form.quantity].unit if symbol is None else symbol
+    read_as = ", ".join(f"as {name} {value:.4g} {symbol}".removesuffix(" 1") for name, value in said.items())
     raise DataError(
         f"column '{column}' has a median of {median:g}: {read_as}. "
         f"Say which it is: {keyword('columns', {column: next(iter(others))})} (or rename it), "
@@ -160,13 +161,6 @@ def suspected_codes(values: Column, seen: Ends, assignment: Assignment) -> list[
         for code, count in found.items()
         if count and not assignment.form.label and not (count == 1 and least < code < most)
     ]
-
-
-def si_unit(quantity: str) -> str:
-    """Unit in which a quantity is kept; empty for a pure number."""
-    own = {"echo_time": "s", "reading": "m", "reference_distance": "m"}
-    unit = own.get(quantity) or QUANTITIES[quantity].unit
-    return "" if unit == "1" else unit
 
 
 def ends(values: Column) -> Ends:

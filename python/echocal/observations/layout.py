@@ -48,7 +48,9 @@ class Layout:
         try:
             "".encode(self.encoding)  # also refuses one of bytes, such as zip
         except (LookupError, TypeError, ValueError):
-            raise UsageError(no_encoding(self.encoding)) from None
+            raise UsageError(
+                f"unknown encoding '{self.encoding}'; common ones: utf-8, latin-1, utf-16"
+            ) from None
 
 
 @dataclass(frozen=True)
@@ -93,11 +95,6 @@ def _cut_sign(error: UnicodeError) -> tuple[str, int]:
 
 
 codecs.register_error(CUT_SIGN, _cut_sign)
-
-
-def no_encoding(name: object) -> str:
-    """Say that an encoding is unknown."""
-    return f"unknown encoding '{name}'; common ones: utf-8, latin-1, utf-16"
 
 
 def said_no_text(name: str, encoding: str, begins: bytes) -> str:
