@@ -127,8 +127,7 @@ def __getattr__(name: str) -> Any:
     if name in _MODULES:
         return import_module(f"echocal.{name}")
     if name not in _HOME:
-        message = f"module 'echocal' has no attribute '{name}'"
-        raise AttributeError(message)
+        raise AttributeError(f"module 'echocal' has no attribute '{name}'")
     found = getattr(import_module(f"echocal.{_HOME[name]}"), name)
     globals()[name] = found
     return found

@@ -15,15 +15,10 @@ def _of(table: Any) -> Any:
     return Accessor(table)
 
 
-def _pandas(library: Any) -> None:
-    library.api.extensions.register_dataframe_accessor("echocal")(_of)
-
-
-def _xarray(library: Any) -> None:
-    library.register_dataset_accessor("echocal")(_of)
-
-
-_LIBRARIES: dict[str, Callable[[Any], None]] = {"pandas": _pandas, "xarray": _xarray}
+_LIBRARIES: dict[str, Callable[[Any], object]] = {
+    "pandas": lambda library: library.api.extensions.register_dataframe_accessor("echocal")(_of),
+    "xarray": lambda library: library.register_dataset_accessor("echocal")(_of),
+}
 
 
 class _Afterwards:

@@ -31,13 +31,7 @@ class Terminated(SystemExit):
 
 
 def unwind_when_told(*more: str) -> None:
-    """Let requests to terminate raise `Terminated`; those that are ignored, as after nohup, stay so.
-
-    Parameters
-    ----------
-    *more : str
-        Further signals that do.
-    """
+    """Let requests to terminate, and further signals, raise `Terminated`; those that are ignored stay so."""
     if threading.current_thread() is not threading.main_thread():
         return  # where no signal arrives
     numbers = [number for name in (*_REQUESTS, *more) if (number := getattr(signal, name, None)) is not None]

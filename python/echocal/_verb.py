@@ -38,11 +38,5 @@ class _Verb(ModuleType):
 
 
 def callable_as(module: str) -> None:
-    """Let a module be called like its function of the same name.
-
-    Parameters
-    ----------
-    module : str
-        Its ``__name__``; it has the function already.
-    """
+    """Let a module, by its ``__name__``, be called like its function of the same name, which it has."""
     sys.modules[module].__class__ = _Verb

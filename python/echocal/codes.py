@@ -127,10 +127,7 @@ Codes = TypeVar("Codes", EchoCodes, TemperatureCodes, HumidityCodes)
 def codes_of(name: str, kind: type[Codes], request: Any) -> Codes:
     """Return codes of a kind, from such codes or from a tuple of numbers.
 
-    Raises
-    ------
-    UsageError
-        If it is neither.
+    Raises `UsageError` if it is neither.
     """
     try:
         codes = request if isinstance(request, kind) else kind(*map(float, request))
@@ -141,8 +138,7 @@ def codes_of(name: str, kind: type[Codes], request: Any) -> Codes:
     except (TypeError, ValueError):
         pass
     order = ", ".join(field.name for field in fields(kind))
-    message = f"{name} is {request!r}; give {kind.__name__}({order}), or the numbers as a tuple"
-    raise UsageError(message)
+    raise UsageError(f"{name} is {request!r}; give {kind.__name__}({order}), or the numbers as a tuple")
 
 
 def numbers(
@@ -150,10 +146,7 @@ def numbers(
 ) -> tuple[float, float, float, float, int]:
     """Return step, ends, value of code 0 and dropped bits, as the core takes them.
 
-    Raises
-    ------
-    UsageError
-        If the number of dropped bits is no whole number.
+    Raises `UsageError` if the number of dropped bits is no whole number.
     """
     shift = count(f"the shift of {name}", codes.shift, _MOST_SHIFT, least=0)
     return float(codes.lsb), float(codes.low), float(codes.high), float(codes.zero), shift
@@ -162,17 +155,7 @@ def numbers(
 def value_at(axis: Mapping[str, Any], code: Any) -> Any:
     """Return what the function takes a code for: the middle of its step, where bits are dropped.
 
-    Parameters
-    ----------
-    axis : mapping
-        A condition of ``report["device"]``.
-    code : int or array_like of int, shape (...)
-        Codes.
-
-    Returns
-    -------
-    float or ndarray, shape (...)
-        Values in the unit of the axis.
+    In the unit of the axis, a condition of ``report["device"]``.
 
     Examples
     --------
@@ -188,15 +171,11 @@ def value_at(axis: Mapping[str, Any], code: Any) -> Any:
 def count(name: str, value: float, most: int, *, least: int | None = None) -> int:
     """Return a whole number.
 
-    Raises
-    ------
-    UsageError
-        If it is none, or outside `least` .. `most`.
+    Raises `UsageError` if it is none, or outside `least` .. `most`.
     """
     whole = isinstance(value, Real) and not isinstance(value, bool) and float(value).is_integer()
     if not whole or abs(value) > most or (least is not None and value < least):
-        message = f"{name} is {value!r}; give a whole number" + (
-            "" if least is None else f" of {least} .. {most}"
+        raise UsageError(
+            f"{name} is {value!r}; give a whole number" + ("" if least is None else f" of {least} .. {most}")
         )
-        raise UsageError(message)
     return int(value)

@@ -16,8 +16,7 @@ def refuse_unknown(names: Iterable[str]) -> None:
     """Raise `UsageError` where a name is none of an influence quantity."""
     for name in names:
         if name not in QUANTITIES:
-            message = f"unknown influence quantity '{name}'{among(name, QUANTITIES, 'known:')}"
-            raise UsageError(message)
+            raise UsageError(f"unknown influence quantity '{name}'{among(name, QUANTITIES, 'known:')}")
 
 
 def unmasked(given: Any) -> NDArray[Any]:
@@ -32,27 +31,11 @@ def unmasked(given: Any) -> NDArray[Any]:
 def columns(
     first: ArrayLike, conditions: Mapping[str, ArrayLike | None]
 ) -> tuple[tuple[int, ...], list[NDArray[np.float64]]]:
-    """Broadcast a column and its conditions against each other.
+    """Broadcast a column (a distance, a time) and its conditions against each other.
 
-    Parameters
-    ----------
-    first : array_like
-        The column that the conditions belong to (a distance, a time).
-    conditions : mapping of str to array_like
-        Values by name of the influence quantity; absent or None means its default, NaN if it
-        has none.
-
-    Returns
-    -------
-    tuple of int
-        The common shape.
-    list of ndarray
-        The column, then one flat array per quantity, all of the same length.
-
-    Raises
-    ------
-    UsageError
-        If a name is unknown, a value is no real number, or the shapes cannot be broadcast.
+    The common shape, and the column, then one flat array per quantity, all of the same length. A quantity
+    that is absent or None has its default, NaN if it has none. Raises `UsageError` if a name is unknown, a
+    value is no real number, or the shapes cannot be broadcast.
     """
     refuse_unknown(conditions)
     given = {name: value for name, value in conditions.items() if value is not None}
@@ -64,8 +47,7 @@ def columns(
         shape = np.broadcast_shapes(*(value.shape for value in values))
     except ValueError:
         shapes = ", ".join(f"{name} {np.shape(value)}" for name, value in given.items())
-        message = f"shapes do not broadcast: first argument {values[0].shape}, {shapes}"
-        raise UsageError(message) from None
+        raise UsageError(f"shapes do not broadcast: first argument {values[0].shape}, {shapes}") from None
     whole = (value if value.shape == shape else np.full(shape, value) for value in values)
     return shape, [np.ascontiguousarray(column).reshape(-1) for column in whole]
 
@@ -77,12 +59,10 @@ def numbers(name: str, given: ArrayLike) -> NDArray[np.float64]:
     try:
         values = unmasked(given)
     except ValueError as error:  # rows of several lengths
-        message = f"{name} is no array of numbers: {error}"
-        raise UsageError(message) from None
+        raise UsageError(f"{name} is no array of numbers: {error}") from None
     try:
         if values.dtype.kind not in "biufO":  # NumPy would take a date for a number
             raise TypeError
         return values.astype(np.float64, copy=False)
     except (TypeError, ValueError, OverflowError):
-        message = f"{name} must be real numbers, but has dtype {values.dtype}"
-        raise UsageError(message) from None
+        raise UsageError(f"{name} must be real numbers, but has dtype {values.dtype}") from None

@@ -39,17 +39,8 @@ def expanded_uncertainty(
 ) -> dict[str, Any]:
     """Expanded uncertainties of a device's outputs, and a line that is nowhere below them.
 
-    Parameters
-    ----------
-    model : Model
-        The model that the device follows.
-    report : mapping
-        What was proven.
-    air : mapping of str to float
-        Values of what the device does not measure.
-    stated : Uncertainties
-        What the user states. Where the model has no repeatability, the published uncertainty of its law
-        counts, too.
+    The report has what was proven, and the air what the device does not measure. Where the model has no
+    repeatability, the published uncertainty of its law counts beside what the user states.
 
     Returns
     -------
@@ -85,11 +76,10 @@ def expanded_uncertainty(
     total = COVERAGE * np.sqrt(sizes**2 + sum(bound**2 for bound in bounds) / 3.0)
     offset, slope = _line(distance, total)
     if offset + slope * far > _LARGEST:
-        message = (
+        raise UsageError(
             f"the expanded uncertainty reaches {offset + slope * far:.3g} m, more than {_LARGEST:g} m, and "
             f"the device's function cannot state it; give smaller {keyword('uncertainties')}"
         )
-        raise UsageError(message)
     inner, outer = (rounded_up(report[name] * 1e3) for name in ("error_proven_m", "error_overall_m"))
     parts = [*words, f"the arithmetic, anywhere within {inner:g} mm; {outer:g} mm beyond {limit:g} m"]
     parts += [f"effects that are left out, anywhere within {rounded_up(one * 1e3):g} mm" for one in left_out]
@@ -113,11 +103,10 @@ def _refuse_unread(model: Model, device: Mapping[str, Any], stated: Uncertaintie
 def _refuse(name: str, quantities: set[str], read: set[str]) -> None:
     if quantities - read - {"echo_time", "speed_of_sound"}:
         known = ", ".join(["echo_time", *sorted(read)])
-        message = (
+        raise UsageError(
             f"{keyword('uncertainties')} states {name.replace('_', ' ')}, which changes no distance of this "
             f"device; leave it out. The distance depends on: {known}"
         )
-        raise UsageError(message)
 
 
 def _replaced(model: Model) -> set[str]:

@@ -103,8 +103,9 @@ def domain_violations(
         broadcast = np.broadcast_arrays(*values)
     except ValueError:
         shapes = ", ".join(str(value.shape) for value in values)
-        message = f"shapes do not broadcast: {shapes} (temperature, humidity, pressure, CO2, frequency)"
-        raise UsageError(message) from None
+        raise UsageError(
+            f"shapes do not broadcast: {shapes} (temperature, humidity, pressure, CO2, frequency)"
+        ) from None
     flat = [np.ascontiguousarray(value).reshape(-1) for value in broadcast]
     return _core.departures(law, flat).reshape(broadcast[0].shape)
 

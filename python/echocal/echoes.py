@@ -28,25 +28,14 @@ Echo = float | EchoCodes | tuple[float, ...] | None
 
 @dataclass(frozen=True)
 class Accepted:
-    """Echo times that a device accepts.
+    """Echo times that a device accepts."""
 
-    Attributes
-    ----------
-    tick : float
-        Tick of the timer [us].
-    shortest, longest : float
-        Ends [us].
-    bits : int
-        Bits of the timer.
-    cut : str or None
-        The reason, if the default longest echo time is shorter than the echo from the largest distance.
-    """
-
-    tick: float
-    shortest: float
-    longest: float
-    bits: int = 16
+    tick: float  # of the timer [us]
+    shortest: float  # [us]
+    longest: float  # [us]
+    bits: int = 16  # of the timer
     cut: str | None = None
+    """The reason, if the default longest echo time is shorter than the echo from the largest distance."""
 
     @property
     def codes(self) -> tuple[float, float, float, int]:
@@ -55,33 +44,16 @@ class Accepted:
 
 
 def accepted(model: _core.Model, request: Mapping[str, Any], echo: Echo) -> Accepted:
-    """Return the echo times that a device accepts.
+    """Return the echo times that a device accepts, by the request to the core without the echo.
 
-    Parameters
-    ----------
-    model : _core.Model
-        The model that the firmware follows.
-    request : mapping
-        The request to the core, without the echo.
-    echo : float, EchoCodes, tuple or None
-        The requested echo times. Defaults follow from the model: the earliest echo from `BLANKING_M`, and the
-        latest echo from the largest bounded distance, over all conditions.
-
-    Returns
-    -------
-    Accepted
-        The accepted echo times. The core refuses ends that are not codes.
-
-    Raises
-    ------
-    UsageError
-        If a default end leaves no echo time between the two.
+    Defaults follow from the model: the earliest echo from `BLANKING_M`, and the latest echo from the largest
+    bounded distance, over all conditions. The core refuses ends that are not codes. Raises `UsageError` if a
+    default end leaves no echo time between the two.
     """
     asked = _asked(echo)
     tick, shortest, longest, bits = float(asked.lsb), asked.shortest, asked.longest, int(asked.bits)
     if asked.bits not in _BITS:
-        message = f"{keyword('bits', asked.bits)}: a timer has 16 or 32 bits in this version"
-        raise UsageError(message)
+        raise UsageError(f"{keyword('bits', asked.bits)}: a timer has 16 or 32 bits in this version")
     if not (math.isfinite(tick) and tick > 0):
         return Accepted(tick, 0.0, LONGEST_US)
     if shortest is not None and longest is not None:
@@ -92,12 +64,16 @@ def accepted(model: _core.Model, request: Mapping[str, Any], echo: Echo) -> Acce
     first = _first(soonest[0] * 1e6, tick) if shortest is None else float(shortest)
     if longest is not None:
         if most <= first:
-            raise UsageError(_ends_early(most, first))
+            raise UsageError(
+                f"echo max {most:g} us ends before the echo from {BLANKING_M:g} m, the nearest that an "
+                f"HC-SR04 measures, {first:g} us: give the echo min, too ({keyword('shortest')})"
+            )
         return Accepted(tick, first, most, bits)
     last, cut = _last([time * 1e6 for time in latest], (tick, bits), most, distances)
     if last <= first:
-        message = _too_late(first, last, cut) if shortest is not None else _no_room(tick, distances[1], cut)
-        raise UsageError(message)
+        raise UsageError(
+            _too_late(first, last, cut) if shortest is not None else _no_room(tick, distances[1], cut)
+        )
     return Accepted(tick, first, last, bits, cut)
 
 
@@ -114,11 +90,10 @@ def _most(tick: float, bits: int) -> float:
     """Return the longest default echo time [us]: a code of the timer."""
     code = min(_CODES[bits], math.floor(LONGEST_US / tick + _SLACK))
     if code < 1:
-        message = (
+        raise UsageError(
             f"a tick of {tick:g} us is longer than any echo, {LONGEST_US:g} us: give a finer one "
             f"({keyword('lsb')})"
         )
-        raise UsageError(message)
     return tick * code
 
 
@@ -135,21 +110,8 @@ def _last(
 ) -> tuple[float, str | None]:
     """Return the echo time [us] of the code that the longest echo gives, however the timer rounds.
 
-    Parameters
-    ----------
-    latest : list of float
-        Longest echo time at each of `distances` [us].
-    timer : tuple of float and int
-        Tick of the timer [us], and its bits.
-    most : float
-        The longest default echo time [us].
-    distances : list of float
-        The blanking distance and the largest one [m].
-
-    Returns
-    -------
-    tuple of float and (str or None)
-        The echo time, at most `most`; why it is cut, if it is.
+    At most `most` [us], and why it is cut, if it is. `latest` are the longest echo times [us] at the blanking
+    distance and the largest one [m]; the timer has a tick [us] and bits.
     """
     (tick, bits), far, largest = timer, latest[1], distances[1]
     if not (math.isfinite(far) and far > 0):
@@ -169,13 +131,6 @@ def _last(
     return most, (
         f"echo times end at {most:g} us, before the requested largest distance: the echo from {largest:g} m "
         f"takes up to {far:.0f} us, and all are accepted up to {math.floor(reach * 100) / 100:g} m; {why}"
-    )
-
-
-def _ends_early(longest: float, first: float) -> str:
-    return (
-        f"echo max {longest:g} us ends before the echo from {BLANKING_M:g} m, the nearest that an HC-SR04 "
-        f"measures, {first:g} us: give the echo min, too ({keyword('shortest')})"
     )
 
 

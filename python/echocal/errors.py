@@ -124,6 +124,21 @@ def writing(path: str | Path) -> Iterator[None]:
         raise refused from None
 
 
+@contextmanager
+def reading(path: str | Path) -> Iterator[None]:
+    """Raise an operating system's refusal to read as `DataError`."""
+    try:
+        yield
+    except FileNotFoundError:
+        raise DataError(f"no file {path}") from None
+    except IsADirectoryError:
+        raise DataError(f"{path} is a folder; name one file of it") from None
+    except OSError as error:
+        raise DataError(f"{path} cannot be read: {error.strerror or error}") from None
+    except ValueError as error:  # a NUL byte, a lone surrogate
+        raise DataError(f"{str(path)!r} cannot be the name of a file: {error}") from None
+
+
 def unexpected(error: BaseException) -> str:
     """Say what nobody foresaw, for the file or the sensor that it concerns; the others go on.
 

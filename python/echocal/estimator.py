@@ -126,11 +126,13 @@ class EchoCorrector(RegressorMixin, TransformerMixin, BaseEstimator):  # type: i
         table, y = self._table(X, y)
         begin = Model("cramer") if self.model is None else self.model
         if levels := [n for n, own in read_columns(self.columns).items() if is_level(n, own)]:
-            message = f"'{levels[0]}' is a level, and y is a distance: give distances, mount height - level"
-            raise DataError(message)
+            raise DataError(
+                f"'{levels[0]}' is a level, and y is a distance: give distances, mount height - level"
+            )
         if _REFERENCE in table:
-            message = f"X has a column '{_REFERENCE}', and y is the reference distance: leave the column out"
-            raise DataError(message)
+            raise DataError(
+                f"X has a column '{_REFERENCE}', and y is the reference distance: leave the column out"
+            )
         if len(table) < 2:
             raise DataError("n_samples=1: one row tells nothing of a sensor; give more")
         how: dict[str, Any] = {

@@ -12,15 +12,8 @@ from echocal.model import Model
 __all__ = ["Choice", "explore"]
 
 FORMS = (
-    "polynomial",
-    "adapted",
-    "square",
-    "factored",
-    "interpolated_table",
-    "segments",
-    "full_table",
-    "bent",
-)
+    "polynomial", "adapted", "square", "factored", "interpolated_table", "segments", "full_table", "bent",
+)  # fmt: skip
 TWO_INPUTS = ("additive", "grid")
 TIGHTER = 0.6
 """The next bound, as a share of the error that was proven for the last. Set by hand."""

@@ -10,15 +10,7 @@ from typing import Any
 
 from echocal import _core, echoes, silicon
 from echocal.budget.stated import Uncertainties
-from echocal.codes import (
-    EchoCodes,
-    FurtherCodes,
-    HumidityCodes,
-    TemperatureCodes,
-    codes_of,
-    count,
-    numbers,
-)
+from echocal.codes import EchoCodes, FurtherCodes, HumidityCodes, TemperatureCodes, codes_of, count, numbers
 from echocal.conditions import columns
 from echocal.device_uncertainty import expanded_uncertainty
 from echocal.domain import describe
@@ -184,12 +176,10 @@ def generate(
     2001613
     """
     if not isinstance(model, Model):
-        message = f"firmware needs a Model, got {type(model).__name__}; Model.load(path) reads a file"
-        raise UsageError(message)
+        raise UsageError(f"firmware needs a Model, got {type(model).__name__}; Model.load(path) reads a file")
     model.refuse_shape("firmware")
     if measure and package in _WITHOUT_C:
-        message = f"measure needs C, and the package {package} contains none: choose another package"
-        raise UsageError(message)
+        raise UsageError(f"measure needs C, and the package {package} contains none: choose another package")
     _refuse_name(name, output_unit)
     thermistor = temperature if isinstance(temperature, ThermistorCodes) else None
     codes = _above_absolute_zero(
@@ -200,13 +190,14 @@ def generate(
     humidity_codes = None if humidity is None else codes_of("humidity", HumidityCodes, humidity)
     assume = _mapped(assume)
     if humidity_codes is not None and "relative_humidity" in assume:
-        message = "relative_humidity is measured: it cannot be assumed as well"
-        raise UsageError(message)
+        raise UsageError("relative_humidity is measured: it cannot be assumed as well")
     further_codes = None if further is None else further_of(further, model.reads)
     if further_codes is not None and further_codes.quantity in assume:
-        message = f"{further_codes.quantity} is measured: it cannot be assumed as well"
-        raise UsageError(message)
+        raise UsageError(f"{further_codes.quantity} is measured: it cannot be assumed as well")
     air = _assumed(model, assume)
+    threads = (os.cpu_count() or 1) if n_threads is None else n_threads
+    if max_bits not in (32, WIDEST):
+        raise UsageError(f"{keyword('max_bits', max_bits)} is no width of an integer: give 32 or {WIDEST}")
     request: dict[str, Any] = {
         "target": target,
         "package": package,
@@ -216,14 +207,14 @@ def generate(
         "temperature": numbers("temperature", codes),
         "thermistor": None if thermistor is None else (*thermistor.scale(), thermistor.words()),
         "humidity": None if humidity_codes is None else numbers("humidity", humidity_codes),
-        "further": _further(further_codes),
+        "further": further_codes and (further_codes.quantity, numbers(further_codes.quantity, further_codes)),
         "output_unit": output_unit,
         "output_type": output_type,
         "maximum_error": float(max_error),
         "maximum_distance": float(max_distance),
         "maximum_table": count("max_table_bytes", max_table_bytes, 2**31 - 1, least=0),
-        "widest": _bits(max_bits),
-        "threads": _threads(n_threads),
+        "widest": max_bits,
+        "threads": count("n_threads", threads, _MOST_THREADS, least=1),
         "accept": [find_effect(effect).id for effect in ([accept] if isinstance(accept, str) else accept)],
         "assumed": air,
         "median": _median(median, gate),
@@ -244,8 +235,7 @@ def generate(
         core = _core.design_firmware(model._core, request, progress)
     except BoundError as error:
         cost = _cost(_firmware(error.best, []), target, measure=measure)
-        message = f"{error}; that function takes {cost}"
-        raise BoundError(message) from None
+        raise BoundError(f"{error}; that function takes {cost}") from None
     for line in request["outside_domain"]:
         warnings.warn(line, DomainWarning, stacklevel=2)
     echoes.warn_of(times, stacklevel=2)
@@ -255,47 +245,39 @@ def generate(
     return _firmware(core, [one.to_dict() for one in found if one is not None], budget)
 
 
-def _further(codes: FurtherCodes | None) -> tuple[str, tuple[float, float, float, float, int]] | None:
-    """Return the quantity of a further input and its codes, as the core takes them."""
-    return None if codes is None else (codes.quantity, numbers(codes.quantity, codes))
-
-
 def _median(window: int | None, gate: float | None) -> tuple[int, float | None] | None:
     """Return window and gate [m] of the median filter, as the core takes them."""
     if window is not None:
         return count("median", window, 255, least=1), None if gate is None else float(gate)
     if gate is None:
         return None
-    message = (
+    raise UsageError(
         f"a gate is about a median of the last distances, and none is wanted: give {keyword('median', 5)} too"
     )
-    raise UsageError(message)
 
 
 def _refuse_name(name: str, unit: str) -> None:
     longest = _LONGEST_NAME - max(0, len(_SUFFIXES.get(unit, "")) - len("um"))
     if not isinstance(name, str) or not _NAME.fullmatch(name) or len(name) > longest:
-        message = (
+        raise UsageError(
             f"{keyword('name', name)} cannot begin names of functions and files: give lower-case letters, "
             f"digits and single underscores, a letter first, at most {longest} characters"
         )
-        raise UsageError(message)
     if name in RESERVED:
-        message = f"{keyword('name', name)} is a word of a language or its library; add to it: {name}_1"
-        raise UsageError(message)
+        raise UsageError(
+            f"{keyword('name', name)} is a word of a language or its library; add to it: {name}_1"
+        )
 
 
 def _mapped(assume: Mapping[str, float] | None) -> dict[str, float]:
     if assume is None or isinstance(assume, Mapping):
         return dict(assume or {})
-    message = f"assume maps conditions to values, {{'relative_humidity': 0.5}}; got {assume!r}"
-    raise UsageError(message)
+    raise UsageError(f"assume maps conditions to values, {{'relative_humidity': 0.5}}; got {assume!r}")
 
 
 def _above_absolute_zero(codes: TemperatureCodes) -> TemperatureCodes:
     if codes.low < _ABSOLUTE_ZERO:
-        message = f"temperature {codes.low:g} degC is below absolute zero; give a range of the air"
-        raise UsageError(message)
+        raise UsageError(f"temperature {codes.low:g} degC is below absolute zero; give a range of the air")
     return codes
 
 
@@ -357,19 +339,7 @@ def _cost(made: Firmware, target: str, *, measure: bool) -> str:
 def _assumed(model: Model, assume: Mapping[str, float]) -> list[float]:
     """Conditions where nothing is measured, in the order of the core."""
     if "temperature" in assume:
-        message = "temperature is measured: it cannot be assumed; give its codes"
-        raise UsageError(message)
+        raise UsageError("temperature is measured: it cannot be assumed; give its codes")
     _, (_, *values) = columns(0.0, {**model.air, **assume})
     assumed(assume)
     return [float(value[0]) for value in values]
-
-
-def _bits(widest: int) -> int:
-    if widest not in (32, WIDEST):
-        message = f"{keyword('max_bits', widest)} is no width of an integer: give 32 or {WIDEST}"
-        raise UsageError(message)
-    return widest
-
-
-def _threads(wanted: int | None) -> int:
-    return count("n_threads", (os.cpu_count() or 1) if wanted is None else wanted, _MOST_THREADS, least=1)

@@ -138,24 +138,22 @@ class Firmware:
         for name, given, kind in (("distances", distances, np.int32), ("statuses", statuses, np.uint8)):
             column, limits = np.asarray(given), np.iinfo(kind)
             if column.ndim != 1 or column.dtype.kind not in "iu":
-                message = (
+                raise UsageError(
                     f"{name} has dtype {column.dtype} and shape {column.shape}: give a column of integers"
                 )
-                raise UsageError(message)
             outside = np.flatnonzero((column < limits.min) | (column > limits.max))
             if len(outside):
                 row = int(outside[0])
-                message = f"{name} is {column[row]} in row {row}, outside {limits.min} .. {limits.max}"
-                raise UsageError(message)
+                raise UsageError(
+                    f"{name} is {column[row]} in row {row}, outside {limits.min} .. {limits.max}"
+                )
             columns.append(np.ascontiguousarray(column, dtype=kind))
         if len(columns[0]) != len(columns[1]):
             lengths = f"{len(columns[0])} distances and {len(columns[1])} statuses"
-            message = f"{lengths}: give one of each for a measurement"
-            raise UsageError(message)
+            raise UsageError(f"{lengths}: give one of each for a measurement")
         found = self._twin.filtered(*columns)
         if found is None:
-            message = f"this firmware has no median filter: generate it with {keyword('median', 5)}"
-            raise UsageError(message)
+            raise UsageError(f"this firmware has no median filter: generate it with {keyword('median', 5)}")
         return found
 
     def _evaluated(
@@ -172,20 +170,17 @@ class Firmware:
         for humid, codes in ((True, humidity_code), (False, further_code)):
             if (humid in others) != (codes is not None):
                 what = "humidity_code" if humid else others.get(False, "further_code")
-                message = f"this function takes {'a' if humid in others else 'no'} {what}"
-                raise UsageError(message)
+                raise UsageError(f"this function takes {'a' if humid in others else 'no'} {what}")
             if codes is not None:
                 given[others[humid]] = np.asarray(codes)
         for name, code in given.items():
             if code.dtype.kind not in "iu":
-                message = f"{name} must be integer codes, but has dtype {code.dtype}"
-                raise UsageError(message)
+                raise UsageError(f"{name} must be integer codes, but has dtype {code.dtype}")
         try:
             codes = np.broadcast_arrays(*(code.astype(np.int64) for code in given.values()))
         except ValueError:
             shapes = ", ".join(f"{name} {code.shape}" for name, code in given.items())
-            message = f"shapes do not broadcast: {shapes}"
-            raise UsageError(message) from None
+            raise UsageError(f"shapes do not broadcast: {shapes}") from None
         flat = [np.ascontiguousarray(code).reshape(-1) for code in codes]
         outputs, statuses = self._twin.evaluate(flat)
         return outputs.reshape(codes[0].shape), statuses.reshape(codes[0].shape)
@@ -210,8 +205,7 @@ class Firmware:
             If the function returns another unit, and in the cases of `outputs`.
         """
         if self.unit != "um":
-            message = f"this function returns {self.unit}: take outputs(...)"
-            raise UsageError(message)
+            raise UsageError(f"this function returns {self.unit}: take outputs(...)")
         return self.outputs(echo_us, temperature_code, humidity_code, further_code)
 
     def ranked_by(self) -> tuple[int, int]:

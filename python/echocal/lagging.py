@@ -111,21 +111,19 @@ class Follower:
     def refuse_times(self) -> None:
         """Raise `UsageError` where a time constant cannot be followed."""
         if not 0.0 < self.interval <= self.smoothing < self.lag:
-            message = (
+            raise UsageError(
                 f"a thermometer that lags {self.lag:g} s, a call every {self.interval:g} s and an output "
                 f"that lags {self.smoothing:g} s: give 0 < {keyword('lag_interval')} <= "
                 f"{keyword('lag_smoothing')} < the time constant of the thermometer"
             )
-            raise UsageError(message)
 
     def refuse_wide(self) -> None:
         """Raise `UsageError` where an integer would leave 32 bits."""
         if self.share < 1 or not 0 < self.lead_shift < _WORD or self.drop > _PLACES:
-            message = (
+            raise UsageError(
                 f"a call every {self.interval:g} s is too often for a time constant of {self.smoothing:g} s "
                 f"in 32 bits: give a longer {keyword('lag_interval')}"
             )
-            raise UsageError(message)
 
     def exact(self, codes: Iterable[int]) -> list[float]:
         """Return the outputs of the recursion in real numbers, from a new state [codes]."""
@@ -230,11 +228,11 @@ def generate_lagging(
     """
     lag = model.effects.get(EFFECT, {}).get("time_constant", 0.0)
     if lag <= 0.0:
-        message = f"the model has no effect {EFFECT}: leave out {keyword('lag_interval')}"
-        raise UsageError(message)
+        raise UsageError(f"the model has no effect {EFFECT}: leave out {keyword('lag_interval')}")
     if package != "c":
-        message = f"the package {package} keeps no state of a thermometer: choose {keyword('package', 'c')}"
-        raise UsageError(message)
+        raise UsageError(
+            f"the package {package} keeps no state of a thermometer: choose {keyword('package', 'c')}"
+        )
     smoothing = max(lag / _SMOOTHING, lag_interval) if lag_smoothing is None else float(lag_smoothing)
     Follower(0, 1, lag, float(lag_interval), smoothing).refuse_times()
     kept = {id_: dict(own) for id_, own in model.effects.items() if id_ != EFFECT}
@@ -243,8 +241,9 @@ def generate_lagging(
     made = generate(of_air, target, package=package, recorded=told, **request)
     warm = made.report["device"]["conditions"][0]
     if warm.get("shift") or "values" in warm:
-        message = "a lag is followed for codes of equal steps of which no bit is dropped: give such codes"
-        raise UsageError(message)
+        raise UsageError(
+            "a lag is followed for codes of equal steps of which no bit is dropped: give such codes"
+        )
     _refuse_unlike(model, of_air, lag, made)
     follower = Follower(
         warm["codes"]["minimum"], warm["codes"]["maximum"], lag, float(lag_interval), smoothing
@@ -268,12 +267,11 @@ def _refuse_unlike(model: Model, of_air: Model, lag: float, made: Firmware) -> N
         late = model.distance(time, temperature=warm, temperature_rate=rate, **at)
         off = float(np.abs(late - of_air.distance(time, temperature=warm + lag * rate, **at)).max())
     if not off <= _SAME:
-        message = (
+        raise UsageError(
             f"with the effects {', '.join(model.effects)} a lag of 1 K is not the same as air that is 1 K "
             f"warmer ({off * 1e3:.3g} mm): leave the effect of the thermometer beside the lag out of the "
             "model"
         )
-        raise UsageError(message)
 
 
 def _with_state(made: Firmware, follower: Follower, model: Model) -> LagFirmware:

@@ -51,68 +51,56 @@ class Object:
 
     def exists(self) -> bool:
         """Whether there is an object of this name."""
-        with self._reading():
-            files, path = _files(self.url)
+        with self._reading() as (files, path):
             return bool(files.isfile(path))
 
     def is_folder(self) -> bool:
         """Whether there are objects below this name, and none of it."""
-        with self._reading():
-            files, path = _files(self.url)
+        with self._reading() as (files, path):
             return not files.isfile(path) and bool(files.isdir(path))
 
     def stamp(self) -> dict[str, Any]:
         """Size [B] and version of the content. Raises `DataError` if there is none, or the store refuses."""
-        with self._reading():
-            files, path = _files(self.url)
-            facts = files.info(path)
-        return _stamp(facts)
+        with self._reading() as (files, path):
+            return _stamp(files.info(path))
 
     def stamps(self) -> dict[str, dict[str, Any]]:
         """Size [B] and version of each object below a folder by its name, from a list of the store."""
-        with self._reading():
-            files, path = _files(self.url)
+        with self._reading() as (files, path):
             found = files.find(path, detail=True)
         return {one[len(path.rstrip("/")) + 1 :]: _stamp(facts) for one, facts in found.items()}
 
     def digest(self) -> str:
         """SHA-256 of the content."""
         total = hashlib.sha256()
-        with self._reading():
-            files, path = _files(self.url)
-            with files.open(path, "rb") as content:
-                while piece := content.read(_PIECE):
-                    total.update(piece)
+        with self._reading() as (files, path), files.open(path, "rb") as content:
+            while piece := content.read(_PIECE):
+                total.update(piece)
         return total.hexdigest()
 
     def read_text(self, most: int | None = None) -> str:
         """The content as a text in UTF-8; at most so many bytes from its beginning."""
-        with self._reading():
-            files, path = _files(self.url)
+        with self._reading() as (files, path):
             return bytes(files.cat_file(path, start=0, end=most)).decode("utf-8", errors="replace")
 
     def write_text(self, text: str) -> None:
         """Put a text in UTF-8."""
-        with self._writing():
-            files, path = _files(self.url)
+        with self._writing() as (files, path):
             files.pipe_file(path, text.encode())
 
     def fetch(self, file: Path) -> None:
         """Copy the content into a file."""
-        with self._reading():
-            files, path = _files(self.url)
+        with self._reading() as (files, path):
             files.get_file(path, str(file))
 
     def put(self, file: Path) -> None:
         """Make a file the content."""
-        with self._writing():
-            files, path = _files(self.url)
+        with self._writing() as (files, path):
             files.put_file(str(file), path)
 
     def below(self, pattern: str = "**") -> list[str]:
         """Names below a folder, of all objects or of those that match."""
-        with self._reading():
-            files, path = _files(self.url)
+        with self._reading() as (files, path):
             if pattern == "**":
                 found = files.find(path)
             else:
@@ -120,27 +108,24 @@ class Object:
             return sorted(one[len(path.rstrip("/")) + 1 :] for one in found)
 
     @contextmanager
-    def _reading(self) -> Iterator[None]:
+    def _reading(self) -> Iterator[tuple[Any, str]]:
         try:
-            yield
+            yield _files(self.url)
         except EchocalError:
             raise
         except FileNotFoundError:
-            message = f"no file {self.url}"
-            raise DataError(message) from None
+            raise DataError(f"no file {self.url}") from None
         except Exception as error:  # of the store: no rights, no network, ...
-            message = f"{self.url} cannot be read: {error}"
-            raise DataError(message) from None
+            raise DataError(f"{self.url} cannot be read: {error}") from None
 
     @contextmanager
-    def _writing(self) -> Iterator[None]:
+    def _writing(self) -> Iterator[tuple[Any, str]]:
         try:
-            yield
+            yield _files(self.url)
         except EchocalError:
             raise
         except Exception as error:
-            message = f"{self.url} cannot be written: {error}"
-            raise OutputError(message) from None
+            raise OutputError(f"{self.url} cannot be written: {error}") from None
 
 
 def _stamp(facts: Mapping[str, Any]) -> dict[str, Any]:
@@ -155,9 +140,7 @@ def _files(url: str) -> tuple[Any, str]:
 
         files, path = url_to_fs(url, use_listings_cache=False)
     except ImportError as error:
-        message = f"{url} needs a library: {error}; pip install 'echocal[s3]' for s3://"
-        raise UsageError(message) from None
+        raise UsageError(f"{url} needs a library: {error}; pip install 'echocal[s3]' for s3://") from None
     except ValueError as error:
-        message = f"{url} cannot be used: {error}"
-        raise UsageError(message) from None
+        raise UsageError(f"{url} cannot be used: {error}") from None
     return files, path

@@ -36,16 +36,10 @@ def spreadsheet_safe(text: str) -> str:
 
 
 def csv_text(table: Any, **options: Any) -> str:
-    r"""Return a table of pandas as CSV; each line ends with a line feed.
+    r"""Return a table of pandas as CSV, by options of its `to_csv`; each line ends with a line feed.
 
     A carriage return ends a line, too, so a text that has one is quoted. Python's writer only quotes what its
     own ends of lines are made of.
-
-    Parameters
-    ----------
-    table : pandas.DataFrame
-    **options
-        As of `pandas.DataFrame.to_csv`.
 
     Examples
     --------
@@ -161,19 +155,13 @@ def write_table(table: Any, path: Path) -> None:
         with replacing(path) as unfinished:
             table.to_parquet(unfinished, index=False)
     except ImportError:
-        message = "Parquet needs pyarrow: pip install 'echocal[batch]'"
-        raise UsageError(message) from None
+        raise UsageError("Parquet needs pyarrow: pip install 'echocal[batch]'") from None
 
 
 def replace_all(folder: Path, texts: Mapping[str, str]) -> list[Path]:
-    """Write texts that belong together into a folder, which is made if absent.
+    """Write texts that belong together, by their paths in a folder, which is made if absent.
 
     All are complete before the first is put in its place. Raises `UsageError` if one cannot be written.
-
-    Parameters
-    ----------
-    texts : mapping of str to str
-        Text by path in the folder.
     """
     paths = {folder / name: text for name, text in texts.items()}
     with ExitStack() as together, writing(folder):
@@ -194,8 +182,7 @@ def refuse_name(path: Path) -> None:
     except UnicodeEncodeError:
         possible = False
     if not possible:
-        message = f"{str(path)!r} cannot be written: no file can have this name"
-        raise UsageError(message)
+        raise UsageError(f"{str(path)!r} cannot be written: no file can have this name")
 
 
 def _keep(file: Path) -> None:

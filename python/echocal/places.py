@@ -4,7 +4,7 @@ import hashlib
 from pathlib import Path
 from typing import Any
 
-from echocal.errors import DataError
+from echocal.errors import DataError, reading
 from echocal.objects import Object, is_url
 
 __all__ = ["Place", "exists", "file_digest", "place_of", "size_of", "stamp"]
@@ -24,17 +24,8 @@ def stamp(place: Place) -> dict[str, Any]:
     """
     if isinstance(place, Object):
         return place.stamp()
-    try:
+    with reading(place):
         facts = place.stat()
-    except FileNotFoundError:
-        message = f"no file {place}"
-        raise DataError(message) from None
-    except OSError as error:
-        message = f"{place} cannot be read: {error.strerror or error}"
-        raise DataError(message) from None
-    except ValueError as error:  # a NUL byte, a lone surrogate
-        message = f"{str(place)!r} cannot be the name of a file: {error}"
-        raise DataError(message) from None
     return {"size": facts.st_size, "mtime_ns": facts.st_mtime_ns}
 
 

@@ -161,6 +161,5 @@ def _by_id() -> Mapping[str, Effect]:
 def found(id_: str, known: Mapping[str, T], what: str) -> T:
     """Return the entry of this id, or raise `UsageError` with the nearest that there is."""
     if id_ not in known:
-        message = f"unknown {what} '{id_}'{among(id_, known, 'known:')}"
-        raise UsageError(message)
+        raise UsageError(f"unknown {what} '{id_}'{among(id_, known, 'known:')}")
     return known[id_]

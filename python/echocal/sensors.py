@@ -119,6 +119,7 @@ def sensor_of(name: str) -> Sensor:
     found = SENSORS.get(_ALSO.get(key, key))
     if found is None:
         known = ", ".join(sorted({*SENSORS, *_ALSO}))
-        message = f"no codes of a sensor '{name}' are known; known are {known}. Give the steps of its codes"
-        raise UsageError(message)
+        raise UsageError(
+            f"no codes of a sensor '{name}' are known; known are {known}. Give the steps of its codes"
+        )
     return found

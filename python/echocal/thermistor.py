@@ -66,15 +66,13 @@ class ThermistorCodes:
     def __post_init__(self) -> None:
         count("bits of the converter", self.bits, _MOST_BITS, least=4)
         if self.side not in _SIDES:
-            message = f"the thermistor's side is '{self.side}'; give ground or supply"
-            raise UsageError(message)
+            raise UsageError(f"the thermistor's side is '{self.side}'; give ground or supply")
         _positive("divider", self.divider)
         given = [self.beta is not None or self.r25 is not None, self.coefficients is not None]
         if sum([*given, self.table is not None]) != 1:
-            message = (
+            raise UsageError(
                 "a thermistor has beta and r25, or coefficients a, b and c, or a table: give one of them"
             )
-            raise UsageError(message)
         if given[0]:
             _positive("beta", self.beta)
             _positive("r25", self.r25)
@@ -85,14 +83,14 @@ class ThermistorCodes:
         pairs = list(itertools.pairwise(table))
         falls = all(one[0] < two[0] and one[1] > two[1] > 0 for one, two in pairs)
         if not pairs or not falls or table[0][0] <= -_ZERO:
-            message = "a thermistor's table needs two rows: temperatures that rise, resistances that fall"
-            raise UsageError(message)
+            raise UsageError(
+                "a thermistor's table needs two rows: temperatures that rise, resistances that fall"
+            )
         if table[0][0] > self.low or table[-1][0] < self.high:
-            message = (
+            raise UsageError(
                 f"the thermistor's table is from {table[0][0]:g} to {table[-1][0]:g} degC, and "
                 f"{self.low:g} to {self.high:g} degC are to be accepted: give more rows or a smaller range"
             )
-            raise UsageError(message)
 
     def temperature(self, resistance: float) -> float:
         """Temperature [degC] at a resistance [ohm]."""
@@ -122,11 +120,10 @@ class ThermistorCodes:
         values = [self.temperature(self.divider * one) for one in through]
         inside = [code for code, value in enumerate(values) if self.low <= value <= self.high]
         if len(inside) < 2 or inside[-1] - inside[0] + 1 != len(inside):
-            message = (
+            raise UsageError(
                 f"a thermistor with {self.text()} has {len(inside)} codes in one piece from "
                 f"{self.low:g} to {self.high:g} degC: look at its data, or give another range of temperatures"
             )
-            raise UsageError(message)
         return inside[0], values[inside[0] : inside[-1] + 1]
 
     def text(self) -> str:
@@ -161,8 +158,7 @@ def thermistor_of(text: str, low: float, high: float) -> ThermistorCodes:
     for part in text.split(","):
         key, _, value = part.partition("=")
         if key not in keys or not value or key in given:
-            message = f"'{part}' of the thermistor is no KEY=VALUE; keys are {', '.join(keys)}"
-            raise UsageError(message)
+            raise UsageError(f"'{part}' of the thermistor is no KEY=VALUE; keys are {', '.join(keys)}")
         given[key] = value
     return ThermistorCodes(**_read(given), low=low, high=high)
 
@@ -172,8 +168,7 @@ def _read(given: Mapping[str, str]) -> dict[str, Any]:
     found |= {key: _number(key, given[key]) for key in ("divider", "beta", "r25") if key in given}
     if {"a", "b", "c"} & given.keys():
         if absent := [key for key in "abc" if key not in given]:
-            message = f"the thermistor has no {' and no '.join(absent)}: give a, b and c"
-            raise UsageError(message)
+            raise UsageError(f"the thermistor has no {' and no '.join(absent)}: give a, b and c")
         found["coefficients"] = tuple(_number(key, given[key]) for key in "abc")
     if "table" in given:
         found["table"] = tuple(map(_row, given["table"].split("/")))
@@ -187,8 +182,7 @@ def _read(given: Mapping[str, str]) -> dict[str, Any]:
 def _row(text: str) -> tuple[float, float]:
     at, separator, value = text.partition(":")
     if not separator:
-        message = f"'{text}' of the thermistor's table is no DEGC:OHM; rows are DEGC:OHM/DEGC:OHM/..."
-        raise UsageError(message)
+        raise UsageError(f"'{text}' of the thermistor's table is no DEGC:OHM; rows are DEGC:OHM/DEGC:OHM/...")
     return _number("table", at), _number("table", value)
 
 
@@ -196,8 +190,7 @@ def _number(key: str, text: str) -> float:
     try:
         return float(text)
     except ValueError:
-        message = f"'{text}' in the thermistor's {key} is no number"
-        raise UsageError(message) from None
+        raise UsageError(f"'{text}' in the thermistor's {key} is no number") from None
 
 
 def _between(table: tuple[tuple[float, float], ...], log: float) -> float:
@@ -213,7 +206,6 @@ def _between(table: tuple[tuple[float, float], ...], log: float) -> float:
 
 def _positive(name: str, value: float | None) -> None:
     if value is None or not (math.isfinite(value) and value > 0.0):
-        message = (
+        raise UsageError(
             f"the thermistor's {name} is {value}; give a positive number [{'K' if name == 'beta' else 'ohm'}]"
         )
-        raise UsageError(message)

@@ -268,8 +268,7 @@ def _judge(
     unusable: dict[str, int],
 ) -> Verification:
     if not isinstance(bound, Real) or not 0 < float(bound) < np.inf:
-        message = f"the maximum permissible error must be a positive length [m], got {bound!r}"
-        raise UsageError(message)
+        raise UsageError(f"the maximum permissible error must be a positive length [m], got {bound!r}")
     if float(bound) > _LARGE:
         message = (
             f"the maximum permissible error is {float(bound):g} m, which nearly every reading keeps; it is a "
@@ -278,10 +277,9 @@ def _judge(
         warnings.warn(message, DataWarning, stacklevel=3)
     if np.isnan(errors).any():
         row = int(np.flatnonzero(np.isnan(errors))[0])
-        message = (
+        raise DataError(
             f"{np.isnan(errors).sum()} errors are not a number, first at {where(row)}: a condition is missing"
         )
-        raise DataError(message)
     worst = int(np.argmax(np.abs(errors)))
     exceeding = int(np.sum(np.abs(errors) > bound))
     return Verification(

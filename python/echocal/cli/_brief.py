@@ -16,8 +16,6 @@ from echocal.keywords import command_line
 from echocal.registry import find_effect
 from echocal.report.diagnosis import STYLE
 
-__all__ = ["follow_up", "print_brief", "print_commands", "without_evidence"]
-
 _PERMISSIBLE_MM = 3.0  # where no larger difference matters
 _EVIDENCE = "see the evidence"
 _ROOM = 5.0  # K beyond the temperatures of the log, for which the C is made
@@ -28,16 +26,7 @@ def print_brief(
 ) -> None:
     """Print what is wrong, by how much, how sure, what was written, what to do next.
 
-    Parameters
-    ----------
-    diagnosis : Diagnosis
-    console : Console
-    files : sequence of str
-        What was written.
-    first : str
-        The command to run next; empty if there is none.
-    details : str
-        The command, or the option, that shows everything.
+    `first` is the command to run next, or empty; `details` is the command, or the option, that shows all.
     """
     said = brief(diagnosis)
     word = "good enough" if diagnosis.good_enough else diagnosis.verdict
@@ -69,16 +58,7 @@ def print_commands(console: Console, commands: Mapping[str, str]) -> None:
 
 
 def follow_up(diagnosis: Diagnosis, log: Path, model: Path, reading: Mapping[str, Any]) -> dict[str, str]:
-    """The three commands that follow, by their purpose; their files are those of this diagnosis.
-
-    Parameters
-    ----------
-    diagnosis : Diagnosis
-    log, model : Path
-        The log, and the file with the model.
-    reading : mapping
-        Options of commands that read the log.
-    """
+    """The three commands that follow, by their purpose, with the options of commands that read the log."""
     name = str(model).removesuffix("-model.json").removesuffix(".json")
     details = {_EVIDENCE: command_line("diagnose", log, **reading, details=True)}
     corrected = command_line("correct", log, **_of_rows(reading), model=model, out=f"{name}-corrected.csv")

@@ -7,21 +7,6 @@ from echocal.firmware import HumidityCodes, TemperatureCodes
 from echocal.sensors import Sensor
 from echocal.thermistor import ThermistorCodes, thermistor_of
 
-__all__ = ["humidity_codes", "thermometer"]
-
-
-def _temperature_codes(
-    sensor: Sensor | None, lsb: float | None, codes: str | None, zero: float | None, shift: int | None
-) -> TemperatureCodes:
-    """Return the codes of the thermometer: of a known sensor or a DS18B20, but for what is given."""
-    usual = TemperatureCodes() if sensor is None else sensor.temperature
-    _refuse_mixed("temperature", usual, lsb, zero, shift)
-    found = replace(usual, **_given(lsb, zero, shift))
-    if codes is not None:
-        low, high = _range("--temperature-range", codes, "-20:60")
-        found = replace(found, low=low, high=high)
-    return found
-
 
 def thermometer(
     ntc: str | None,
@@ -31,16 +16,18 @@ def thermometer(
     zero: float | None,
     shift: int | None,
 ) -> TemperatureCodes | ThermistorCodes:
-    """Return the codes of a thermistor if there is one, else those of the thermometer."""
+    """Return the codes of a thermistor if there is one, else those of a known sensor or a DS18B20."""
+    given = _given(lsb, zero, shift)
     if ntc is None:
-        return _temperature_codes(sensor, lsb, codes, zero, shift)
-    if sensor is not None or _given(lsb, zero, shift):
-        message = (
+        usual = TemperatureCodes() if sensor is None else sensor.temperature
+        _refuse_mixed("temperature", usual, lsb, zero, shift)
+        return replace(usual, **given, **_range("--temperature-range", codes, "-20:60"))
+    if sensor is not None or given:
+        raise UsageError(
             "--ntc states the codes of the thermometer: leave out --sensor, --temperature-lsb, "
             "--temperature-zero and --temperature-shift"
         )
-        raise UsageError(message)
-    return thermistor_of(ntc, *_range("--temperature-range", codes or "-20:60", "-20:60"))
+    return thermistor_of(ntc, **_range("--temperature-range", codes or "-20:60", "-20:60"))
 
 
 def humidity_codes(
@@ -53,15 +40,10 @@ def humidity_codes(
         if codes is None and not given:
             return None
         option = "--humidity-range" if codes is not None else f"--humidity-{min(given)}"
-        message = f"{option} needs --humidity-lsb, the step of one humidity code"
-        raise UsageError(message)
+        raise UsageError(f"{option} needs --humidity-lsb, the step of one humidity code")
     usual = usual or HumidityCodes()
     _refuse_mixed("humidity", usual, lsb, zero, shift)
-    found = replace(usual, **given)
-    if codes is not None:
-        low, high = _range("--humidity-range", codes, "0:1")
-        found = replace(found, low=low, high=high)
-    return found
+    return replace(usual, **given, **_range("--humidity-range", codes, "0:1"))
 
 
 def _refuse_mixed(
@@ -77,11 +59,10 @@ def _refuse_mixed(
     kept = {"zero": usual.zero if zero is None else 0, "shift": usual.shift if shift is None else 0}
     if own := {f"--{name}-{what}": value for what, value in kept.items() if value}:
         told = " and ".join(f"{flag} {value:g}" for flag, value in own.items())
-        message = (
+        raise UsageError(
             f"--{name}-lsb {lsb:g} replaces the sensor's step {usual.lsb:g}, and {told} of the sensor would "
             f"stay: give {' and '.join(own)}, too, or leave out --{name}-lsb or --sensor"
         )
-        raise UsageError(message)
 
 
 def _given(lsb: float | None, zero: float | None, shift: int | None) -> dict[str, float]:
@@ -89,10 +70,11 @@ def _given(lsb: float | None, zero: float | None, shift: int | None) -> dict[str
     return {name: value for name, value in given.items() if value is not None}
 
 
-def _range(name: str, text: str, example: str) -> tuple[float, float]:
+def _range(name: str, text: str | None, example: str) -> dict[str, float]:
+    if text is None:
+        return {}
     low, separator, high = text.partition(":")
     try:
-        return float(low), float(high if separator else "missing")
+        return {"low": float(low), "high": float(high if separator else "missing")}
     except ValueError:
-        message = f"{name} is '{text}': give LOW:HIGH, as in {name}={example}"
-        raise UsageError(message) from None
+        raise UsageError(f"{name} is '{text}': give LOW:HIGH, as in {name}={example}") from None

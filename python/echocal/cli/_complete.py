@@ -4,8 +4,6 @@ import itertools
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
-__all__ = ["bases", "causes", "effects", "laws", "parameters", "targets"]
-
 
 def bases(incomplete: str) -> list[str]:
     """Laws, and files that may hold a model."""

@@ -9,8 +9,6 @@ import rich.console
 from rich.segment import Segment
 from rich.text import Text
 
-__all__ = ["Console", "visible", "write_what_can_be_written"]
-
 _PLAIN = str.maketrans(
     {"✓": "+", "✗": "x", "≠": "#", "█": "#", "━": "-", "−": "-", "–": "-", "≥": ">=", "±": "+/-", "…": "..."}
     | dict(zip("▁▂▃▄▅▆▇", "._-=+*%", strict=True))
@@ -20,13 +18,7 @@ _PLAIN = str.maketrans(
 
 
 class Console(rich.console.Console):
-    """A console whose texts cannot steer the terminal: notes, tables, reports; see `visible`.
-
-    Parameters
-    ----------
-    **options
-        As of `rich.console.Console`.
-    """
+    """A console whose texts cannot steer the terminal: notes, tables, reports; see `visible`."""
 
     def __init__(self, **options: Any) -> None:
         super().__init__(**options)

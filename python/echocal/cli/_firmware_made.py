@@ -13,8 +13,6 @@ from echocal.lagging import LagFirmware, generate_lagging
 from echocal.model import Model
 from echocal.per_unit import UnitFirmware, generate_per_unit
 
-__all__ = ["made_by", "summary"]
-
 
 def made_by(
     model: Model,
@@ -26,11 +24,13 @@ def made_by(
     """Generate what the options ask for: a function alone, for units, or for a thermometer that lags."""
     interval, smoothing = lag
     if interval is None and smoothing is not None:
-        message = "--lag-smoothing-s needs --lag-interval-s, the time between two temperature codes [s]"
-        raise UsageError(message)
+        raise UsageError(
+            "--lag-smoothing-s needs --lag-interval-s, the time between two temperature codes [s]"
+        )
     if per_unit and interval is not None:
-        message = "a state of the thermometer and --per-unit are not proven together: leave out one of both"
-        raise UsageError(message)
+        raise UsageError(
+            "a state of the thermometer and --per-unit are not proven together: leave out one of both"
+        )
     if interval is not None:
         return generate_lagging(model, interval, target, lag_smoothing=smoothing, **request)
     if per_unit:

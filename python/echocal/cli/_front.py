@@ -1,6 +1,5 @@
 """``echocal LOG``: inspect a log, ask what it does not say, diagnose it, report, and say what comes next."""
 
-import shlex
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -13,10 +12,10 @@ import typer
 from echocal.cli import _made_by
 from echocal.cli._brief import follow_up, print_brief, print_commands, without_evidence
 from echocal.cli._console import Console
-from echocal.cli._options import options_text, written_by_us
-from echocal.cli._outputs import Force, Output, Quiet, check_outputs, written
+from echocal.cli._options import from_stdin, options_text, written_by_us
+from echocal.cli._outputs import Force, Output, Quiet, check_outputs, this_command, written
 from echocal.cli._several import tables_bar
-from echocal.cli._tables import AS_IT_IS, Given, Json, from_stdin, noted, reading_options, write_json
+from echocal.cli._tables import AS_IT_IS, Given, Json, noted, reading_options, write_json
 from echocal.cli.diagnose import (
     Base,
     ConstantDistance,
@@ -39,29 +38,15 @@ from echocal.observations.plan import read_columns
 from echocal.outputs import replace_text
 from echocal.report import print_diagnosis
 
-__all__ = ["command"]
-
 
 @dataclass(frozen=True)
 class _Question:
-    """What a log does not say.
+    """What a log does not say."""
 
-    Attributes
-    ----------
-    what : str
-        In a list.
-    text : str
-        For a person at a terminal.
-    flags : str
-        The flags that answer it.
-    quantity : str
-        What is asked for, where a column whose name is misspelled may hold it.
-    """
-
-    what: str
-    text: str
-    flags: str
-    quantity: str = ""
+    what: str  # in a list
+    text: str  # for a person at a terminal
+    flags: str  # the flags that answer it
+    quantity: str = ""  # what is asked for, where a column whose name is misspelled may hold it
 
 
 @dataclass
@@ -102,8 +87,9 @@ def command(
     name = "stdin" if str(log) == "-" else log.name.removesuffix(".gz").rpartition(".")[0] or log.name
     source = from_stdin(log)
     if source.is_dir():
-        message = f"{log} is a folder: {command_line('diagnose', log, by='COLUMN', out='verdicts.csv')}"
-        raise UsageError(message)
+        raise UsageError(
+            f"{log} is a folder: {command_line('diagnose', log, by='COLUMN', out='verdicts.csv')}"
+        )
     page, model, toml = (out / f"{name}-{what}" for what in ("report.html", "model.json", "options.toml"))
     check_outputs(
         Output("--out", page, _made_by.report("diagnose", log)),
@@ -150,8 +136,7 @@ def command(
     from echocal.report.html import save_report
 
     commands = follow_up(diagnosis, log, model, {"options": toml} if said else {})
-    made_by = shlex.join(["echocal", *sys.argv[1:]])
-    save_report(diagnosis, page, log.name, made_by, model, without_evidence(commands))
+    save_report(diagnosis, page, log.name, this_command(), model, without_evidence(commands))
     write_json(diagnosis.to_dict(), json)
     if quiet or json == "-":
         return
@@ -166,10 +151,8 @@ def command(
 def _settled(log: Path, known: _Answers, yes: bool, console: Console) -> Inspection:
     """Settle what the log does not say: by flags, else by the person; as many questions as it takes.
 
-    Raises
-    ------
-    DataError
-        If a question is open and nobody is there, with all flags that answer; or if the log cannot be read.
+    Raises `DataError` if a question is open and nobody is there, with all flags that answer; or if the log
+    cannot be read.
     """
     person = sys.stdin is not None and sys.stdin.isatty()
     found = inspect_log(log, known.reading)
@@ -184,7 +167,7 @@ def _settled(log: Path, known: _Answers, yes: bool, console: Console) -> Inspect
         else:
             open_.append(question)
 
-    for name in _sensors(found, known)[:1]:
+    for name in [name for name in found.sensors if name not in known.reading.requests][:1]:
         settle(_about_sensors(log, name, found.sensors[name]), partial(_one_sensor, log, name, known))
     guesses = [column for column in found.columns if column.proposal.guess]
     if guesses or found.missing:
@@ -194,15 +177,15 @@ def _settled(log: Path, known: _Answers, yes: bool, console: Console) -> Inspect
             settle(_about_guesses(found), lambda: _confirm(found, known))
     if not _has(found, known, "temperature"):
         settle(_TEMPERATURE, lambda: _ask_temperature(known))
-    if not _is_stated(known) and not _has(found, known, "reference_distance"):
+    is_stated = known.elsewhere or known.constant_distance or known.reference_distance is not None
+    if not is_stated and not _has(found, known, "reference_distance"):
         settle(_DISTANCE, lambda: _ask_distance(known))
     if open_:
         flags = "; ".join(f"{one.what} ({one.flags})" for one in open_)
         names = [column.name for column in found.columns]
         hints = [misspelled(one.quantity, names) for one in open_ if one.quantity]
         hint = next((one for one in hints if "did you mean" in one), "")
-        message = f"{log.name} does not say, and nobody is at the terminal to ask: {flags}{hint}"
-        raise DataError(message)
+        raise DataError(f"{log.name} does not say, and nobody is at the terminal to ask: {flags}{hint}")
     return inspect_log(log, known.reading)
 
 
@@ -220,16 +203,6 @@ _DISTANCE = _Question(
     'or --column "NAME=distance_m"',
     "reference_distance",
 )
-
-
-def _is_stated(known: _Answers) -> bool:
-    """Whether the user says where the target is."""
-    return known.elsewhere or known.constant_distance or known.reference_distance is not None
-
-
-def _sensors(found: Inspection, known: _Answers) -> list[str]:
-    """Columns that tell sensors apart, of which nobody has said what they are."""
-    return [name for name in found.sensors if name not in known.reading.requests]
 
 
 def _about_sensors(log: Path, name: str, count: int) -> _Question:
@@ -279,18 +252,16 @@ def _refuse_answer(distance: str) -> None:
     try:
         given = float(distance)
     except ValueError:
-        message = (
+        raise UsageError(
             f"'{distance}' is no distance: type a number of meters such as 1.2, or moved, or press Enter"
-        )
-        raise UsageError(message) from None
+        ) from None
     refuse_distance(given)
 
 
 def _ask_distance(known: _Answers) -> None:
     text = _asked("distance [m]", _refuse_answer, "")
     if text == _MOVED:
-        message = "a target that moves needs its distance in a column: --column NAME=distance_m"
-        raise DataError(message)
+        raise DataError("a target that moves needs its distance in a column: --column NAME=distance_m")
     known.reference_distance = float(text) if text else None
     known.constant_distance = not text
 
@@ -316,10 +287,7 @@ def _has(found: Inspection, known: _Answers, quantity: str) -> bool:
 
 
 def _read_as(found: Inspection) -> str:
-    held = [f"{c.name} as {c.proposal.request}" for c in found.columns if _held(c.proposal.request)]
+    none = ("", "extra", "ignore")
+    held = [f"{c.name} as {c.proposal.request}" for c in found.columns if c.proposal.request not in none]
     usable = "" if found.usable is None else f"; {found.usable} of {found.rows} rows can be used"
     return f"{', '.join(held)}{usable}"
-
-
-def _held(request: str) -> bool:
-    return bool(request) and request not in ("extra", "ignore")

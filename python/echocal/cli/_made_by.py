@@ -5,18 +5,17 @@ import json
 import os
 import re
 from collections.abc import Callable, Mapping
+from functools import wraps
 from html import escape
 from itertools import islice
 from pathlib import Path
-from typing import Any
+from typing import Any, Concatenate, ParamSpec
 
 from echocal.checksums import CHECKSUMS, is_sealed, listed, unedited
 from echocal.cli._options import is_stdin
 from echocal.model import Model, document
 
-__all__ = ["Recognize", "causes", "firmware", "model", "page", "picture", "result"]
-__all__ += ["report", "sensor_model", "sign", "table", "verdicts"]
-
+P = ParamSpec("P")
 Recognize = Callable[[Path], bool]
 """Tells of an existing file whether it is a former output of the same kind."""
 
@@ -48,127 +47,101 @@ _PICTURES = (b"\x89PNG", b"%PDF", b"%!PS", b"<?xml")
 
 
 def sign(model: Model, command: str, source: Path, out: Path) -> Model:
-    """Return a model that records the command and the table that it was made from, with a checksum.
-
-    Parameters
-    ----------
-    model : Model
-        The model.
-    command : str
-        Command that made it.
-    source : Path
-        The table.
-    out : Path
-        File that the model goes into.
-    """
+    """Return a model, to go into `out`, that records command and table that made it, with a checksum."""
     known = {**model.provenance, **_origin(command, source, out)}
     return model.with_provenance({**known, _SEAL: _seal(known)})
 
 
-def result(*schemas: str) -> Recognize:
+def _recognizer(told: Callable[Concatenate[Path, P], bool]) -> Callable[P, Recognize]:
+    """Of any file; one of another kind, or a damaged one, is none, whatever its reader raises."""
+
+    @wraps(told)
+    def of(*kind: P.args, **more: P.kwargs) -> Recognize:
+        def recognize(file: Path) -> bool:
+            try:
+                return told(file, *kind, **more)
+            except Exception:
+                return False
+
+        return recognize
+
+    return of
+
+
+@_recognizer
+def result(file: Path, *schemas: str) -> bool:
     """A result in JSON of one of these schemas, such as ``echocal.diagnosis``."""
-    return _tried(lambda file: str(_json(file)["schema"]).rpartition("/")[0] in schemas)
+    return str(_json(file)["schema"]).rpartition("/")[0] in schemas
 
 
-def causes() -> Recognize:
+@_recognizer
+def causes(file: Path) -> bool:
     """One cause or a list of them in JSON."""
-
-    def recognize(file: Path) -> bool:
-        content = _json(file)
-        return all(
-            {"id", "kind"} <= set(cause) for cause in (content if type(content) is list else [content])
-        )
-
-    return _tried(recognize)
+    content = _json(file)
+    return all({"id", "kind"} <= set(cause) for cause in (content if type(content) is list else [content]))
 
 
-def model(command: str, source: Path) -> Recognize:
+@_recognizer
+def model(file: Path, command: str, source: Path) -> bool:
     """A model that the command made from this table and that was not edited since."""
-
-    def recognize(file: Path) -> bool:
-        content = _json(file)
-        data = content["data"]
-        origin = _origin(command, source, file)
-        made_here = {name: data.get(name) for name in origin} == origin
-        return made_here and content["hash"] == document.digest(content) and data[_SEAL] == _seal(data)
-
-    return _tried(recognize)
+    content = _json(file)
+    data = content["data"]
+    origin = _origin(command, source, file)
+    made_here = {name: data.get(name) for name in origin} == origin
+    return made_here and content["hash"] == document.digest(content) and data[_SEAL] == _seal(data)
 
 
-def sensor_model() -> Recognize:
+@_recognizer
+def sensor_model(file: Path) -> bool:
     """A model of a fleet that was not edited since, or the index of such models."""
-
-    def recognize(file: Path) -> bool:
-        content = _json(file)
-        if content["schema"] == "echocal.models/1":
-            return True
-        made = content["data"]["made_by"] == "echocal diagnose" and "sensor" in content["data"]
-        return made and content["hash"] == document.digest(content)
-
-    return _tried(recognize)
+    content = _json(file)
+    if content["schema"] == "echocal.models/1":
+        return True
+    made = content["data"]["made_by"] == "echocal diagnose" and "sensor" in content["data"]
+    return made and content["hash"] == document.digest(content)
 
 
-def verdicts() -> Recognize:
+@_recognizer
+def verdicts(file: Path) -> bool:
     """A table of verdicts of a fleet."""
-    return _tried(lambda file: _columns(file) >= _VERDICTS)
+    return _columns(file) >= _VERDICTS
 
 
-def table(command: str) -> Recognize:
+@_recognizer
+def table(file: Path, command: str) -> bool:
     """A table with the columns that the command appends or makes."""
-    return _tried(lambda file: any(own <= _columns(file) for own in _COLUMNS[command]))
+    return any(own <= _columns(file) for own in _COLUMNS[command])
 
 
-def picture(command: str) -> Recognize:
+@_recognizer
+def picture(file: Path, command: str) -> bool:
     """A picture that names the command as its maker."""
-
-    def recognize(file: Path) -> bool:
-        content = file.read_bytes()
-        return content.startswith(_PICTURES) and f"echocal {command}".encode() in content
-
-    return _tried(recognize)
+    content = file.read_bytes()
+    return content.startswith(_PICTURES) and f"echocal {command}".encode() in content
 
 
-def page(command: str) -> Recognize:
+@_recognizer
+def page(file: Path, command: str) -> bool:
     """A page of Markdown that begins with the command that generated it."""
-    start = f"<!-- Generated by `echocal {command}".encode()
-    return _tried(lambda file: file.read_bytes().startswith(start))
+    return file.read_bytes().startswith(f"<!-- Generated by `echocal {command}".encode())
 
 
-def report(command: str, source: Path | None = None) -> Recognize:
+@_recognizer
+def report(file: Path, command: str, source: Path | None = None) -> bool:
     """A page of HTML that the command made, of this table, and that was not edited since."""
-    maker = f'<meta name="generator" content="echocal {command} '
+    page = file.read_text(encoding="utf-8")
+    title = page.partition("<title>")[2].partition("</title>")[0]
     named = "" if source is None or is_stdin(source) else escape(source.name)
-
-    def recognize(file: Path) -> bool:
-        page = file.read_text(encoding="utf-8")
-        title = page.partition("<title>")[2].partition("</title>")[0]
-        return maker in page[:2000] and is_sealed(page) and title.endswith(named)
-
-    return _tried(recognize)
+    maker = f'<meta name="generator" content="echocal {command} '
+    return maker in page[:2000] and is_sealed(page) and title.endswith(named)
 
 
-def firmware(folder: Path) -> Recognize:
+@_recognizer
+def firmware(file: Path, folder: Path) -> bool:
     """A file of this folder as it was generated, or the list of these."""
-    choices = result("echocal.firmware_choices"), picture("firmware")
-
-    def recognize(file: Path) -> bool:
-        name = file.relative_to(folder).as_posix()
-        generated = name in unedited(folder) or (name == CHECKSUMS and listed(folder) != [])
-        return generated or any(recognized(file) for recognized in choices)
-
-    return _tried(recognize)
-
-
-def _tried(recognize: Recognize) -> Recognize:
-    """A file of another kind, or a damaged one, is not recognized: whatever its reader raises."""
-
-    def safely(file: Path) -> bool:
-        try:
-            return recognize(file)
-        except Exception:
-            return False
-
-    return safely
+    name = file.relative_to(folder).as_posix()
+    generated = name in unedited(folder) or (name == CHECKSUMS and listed(folder))
+    return bool(generated) or result("echocal.firmware_choices")(file) or picture("firmware")(file)
 
 
 def _origin(command: str, source: Path, out: Path) -> dict[str, str]:

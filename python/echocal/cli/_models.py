@@ -14,8 +14,6 @@ from echocal.model import Model
 from echocal.model.indicated_speed import speed_of
 from echocal.observations.given import mounted_options
 
-__all__ = ["Effects", "Law", "Uncertain", "end", "model_of", "read_for"]
-
 Effects: TypeAlias = Annotated[
     list[str] | None,
     typer.Option(
@@ -30,6 +28,16 @@ Law: TypeAlias = Annotated[
     typer.Option(help="Law or expression, in place of a model; default cramer.", autocompletion=laws),
 ]
 
+ModelFile: TypeAlias = Annotated[
+    Path | None, typer.Option(metavar="FILE", help="Model file; default: a law alone.")
+]
+MarkRows: TypeAlias = Annotated[
+    bool,
+    typer.Option(
+        "--mark-rows/--no-mark-rows",
+        help="Mark rows that are as those which the diagnosis of the model left out.",
+    ),
+]
 Uncertain: TypeAlias = Annotated[
     list[str] | None,
     typer.Option(
@@ -44,16 +52,12 @@ Uncertain: TypeAlias = Annotated[
 def model_of(law: str | None, path: Path | None, effects: Sequence[str] | None) -> Model:
     """Model of a file, or of a law and effects.
 
-    Raises
-    ------
-    UsageError
-        If both are given, or an effect is not of the form ``ID:NAME=VALUE,...``.
+    Raises `UsageError` if both are given, or an effect is not of the form ``ID:NAME=VALUE,...``.
     """
     if path is None:
         return Model(law or "cramer", dict(_effect(text) for text in effects or ()))
     if law is not None or effects:
-        message = "give a model file or a law with effects, not both"
-        raise UsageError(message)
+        raise UsageError("give a model file or a law with effects, not both")
     return Model.load(path)
 
 
@@ -76,5 +80,6 @@ def _effect(text: str) -> tuple[str, dict[str, float]]:
         pairs = (pair.split("=") for pair in parameters.split(",") if pair)
         return id_, {name.strip(): float(value) for name, value in pairs}
     except ValueError:
-        message = f'--effect "{text}" is not of the form ID:NAME=VALUE,...; e.g. "fixed_delay:delay=30e-6"'
-        raise UsageError(message) from None
+        raise UsageError(
+            f'--effect "{text}" is not of the form ID:NAME=VALUE,...; e.g. "fixed_delay:delay=30e-6"'
+        ) from None

@@ -4,7 +4,6 @@ import atexit
 import json
 import sys
 import tempfile
-import tomllib
 from collections.abc import Iterable, Mapping
 from contextvars import ContextVar
 from pathlib import Path
@@ -14,9 +13,6 @@ import typer
 
 from echocal.errors import UsageError
 from echocal.keywords import command_line, keyword
-
-__all__ = ["KNOWN", "Options", "added", "file_in_use", "from_stdin", "is_stdin", "options_text"]
-__all__ += ["refuse_others", "refuse_useless", "stated", "toml_value", "written_by_us"]
 
 _FIRST = "# how to read"
 
@@ -70,42 +66,27 @@ def stated(name: str) -> bool:
 def refuse_others(used: Iterable[str], but: str) -> None:
     """Refuse options that the user gives and that the running command does not use this time.
 
-    Parameters
-    ----------
-    used : iterable of str
-        Names of the parameters that it uses.
-    but : str
-        What it does instead, and the way out.
-
-    Raises
-    ------
-    UsageError
-        With each of them.
+    Raises `UsageError` with each of them; `but` says what it does instead, and the way out.
     """
     useless = sorted(map(keyword, _stated.get() - {*used}))
     if useless:
-        message = f"{', '.join(useless)} would do nothing: {but}"
-        raise UsageError(message)
+        raise UsageError(f"{', '.join(useless)} would do nothing: {but}")
 
 
 def refuse_useless(context: typer.Context) -> None:
     """Take note of the options that the user gives; refuse those without the one that they belong to.
 
-    Raises
-    ------
-    UsageError
-        With both.
+    Raises `UsageError` with both.
     """
     flags = {own.name or "": own.opts[0] for own in context.command.params}
     sources = {name: context.get_parameter_source(name) for name in flags}
     _stated.set(frozenset(n for n, own in sources.items() if own is not None and own.name in _BY_USER))
     for name, other in _NEEDS.items():
         if name in flags and other in flags and stated(name) and context.params.get(other) is None:
-            message = (
+            raise UsageError(
                 f"{flags[name]} {context.params[name]} does nothing without {flags[other]}: give it, too, or "
                 f"leave {flags[name]} out"
             )
-            raise UsageError(message)
 
 
 def file_in_use() -> Path | None:
@@ -117,12 +98,10 @@ def added(
     context: typer.Context, parameter: typer.CallbackParam, given: list[str] | None
 ) -> list[str] | None:
     """Pairs of the file before those that are given as flags: these win, for their own column."""
-    if given is None or context.get_parameter_source(parameter.name or "") is None:
-        return given
     source = context.get_parameter_source(parameter.name or "")
-    if source is not None and source.name == "COMMANDLINE":
-        return [*context.meta.get(_KEY, {}).get(parameter.name, []), *given]
-    return given
+    if given is None or source is None or source.name != "COMMANDLINE":
+        return given
+    return [*context.meta.get(_KEY, {}).get(parameter.name, []), *given]
 
 
 def from_stdin(data: Path) -> Path:
@@ -168,20 +147,15 @@ def written_by_us(file: Path) -> bool:
 
 
 def _read(path: Path) -> dict[str, Any]:
-    try:
-        given = tomllib.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        message = f"options file {path} cannot be read: {error.strerror}"
-        raise UsageError(message) from None
-    except ValueError as error:
-        message = f"options file {path} is not TOML: {error}"
-        raise UsageError(message) from None
+    from echocal.observations.plan import toml_of  # what it imports takes long
+
     values: dict[str, Any] = {}
-    for name, value in given.items():
+    for name, value in toml_of(path, "options file").items():
         option = name.replace("_", "-")
         if option not in KNOWN:
-            message = f"options file {path}: unknown option '{name}'; there are {', '.join(sorted(KNOWN))}"
-            raise UsageError(message)
+            raise UsageError(
+                f"options file {path}: unknown option '{name}'; there are {', '.join(sorted(KNOWN))}"
+            )
         values[option] = _plain(path, option, value)
     return values
 
@@ -197,6 +171,5 @@ def _plain(path: Path, option: str, value: Any) -> Any:
     if option in (*_PAIRS, "trust"):
         return [str(own) for own in (value if isinstance(value, list) else [value])]
     if isinstance(value, dict | list):
-        message = f"options file {path}: '{option}' takes one value"
-        raise UsageError(message)
+        raise UsageError(f"options file {path}: '{option}' takes one value")
     return value

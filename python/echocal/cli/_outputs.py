@@ -18,9 +18,6 @@ from echocal.cli._options import file_in_use
 from echocal.errors import UsageError, writing
 from echocal.outputs import refuse_name, replace_text
 
-__all__ = ["Force", "Output", "PlotFormat", "Quiet", "Report", "be_quiet", "check_outputs", "made_in"]
-__all__ += ["pass_on", "refuse_picture", "telling_what_is_written", "write_report", "written"]
-
 _FEW = 3  # files of a folder that are listed by name
 
 Force: TypeAlias = Annotated[
@@ -41,22 +38,13 @@ Report: TypeAlias = Annotated[
 
 @dataclass
 class _Run:
-    """What is known of the outputs of the command that runs.
-
-    Attributes
-    ----------
-    before : dict of Path to object
-        Each file that it may write, with what tells the file from a later one; None if it was absent.
-    folders : list of Path
-        Folders that it makes.
-    quiet, stdout_taken : bool
-        Whether it says nothing, and whether stdout is a result of its own.
-    """
+    """What is known of the outputs of the command that runs."""
 
     before: dict[Path, object] = field(default_factory=dict)
-    folders: list[Path] = field(default_factory=list)
-    quiet: bool = False
-    stdout_taken: bool = False
+    """Each file that it may write, with what tells the file from a later one; None if it was absent."""
+    folders: list[Path] = field(default_factory=list)  # folders that it makes
+    quiet: bool = False  # whether it says nothing
+    stdout_taken: bool = False  # whether stdout is a result of its own
 
 
 _run = _Run()
@@ -75,21 +63,12 @@ Quiet: TypeAlias = Annotated[
 
 @dataclass(frozen=True)
 class Output:
-    """A file that a command writes.
+    """A file that a command writes."""
 
-    Attributes
-    ----------
-    option : str
-        Option that names it.
-    path : path or str or None
-        None and ``-``, which is stdout, need nothing.
-    recognize : callable
-        Whether an existing file is a former output of the same kind, which may be replaced.
-    """
-
-    option: str
-    path: Path | str | None
+    option: str  # option that names it
+    path: Path | str | None  # None and ``-``, which is stdout, need nothing
     recognize: Recognize
+    """Whether an existing file is a former output of the same kind, which may be replaced."""
 
 
 def check_outputs(
@@ -100,6 +79,8 @@ def check_outputs(
     told: bool = False,
 ) -> None:
     """Refuse outputs that cannot be written, or that would destroy a file of the user's.
+
+    Raises `UsageError` with the option, the file and the way out.
 
     Parameters
     ----------
@@ -113,11 +94,6 @@ def check_outputs(
         Whether files that the command did not make may be replaced; an input never.
     told : bool
         Whether the command itself says what it writes.
-
-    Raises
-    ------
-    UsageError
-        With the option, the file and the way out.
     """
     if folder is not None:
         _refuse_folder(folder)
@@ -133,12 +109,14 @@ def check_outputs(
         _refuse_input(output.option, file, inputs)
         first = seen.setdefault(os.path.realpath(file), output.option)
         if first != output.option:
-            message = f"{first} and {output.option} both name {file}; choose two names"
-            raise UsageError(message)
+            raise UsageError(f"{first} and {output.option} both name {file}; choose two names")
     if not force:
         for output, file in files:
             if file.is_file() and file.stat().st_size > 0 and not output.recognize(file):
-                _refuse_replacing(output.option, file)
+                raise UsageError(
+                    f"{output.option} {file} exists, and this command did not make it from this input, or "
+                    "somebody has edited it since: choose another name, or replace it with --force"
+                )
     _run.stdout_taken |= any(str(output.path) == "-" for output in outputs)
     if not told:
         _run.before |= {file: _state(file) for _, file in files}
@@ -189,33 +167,20 @@ def made_in(folder: Path | None, option: str, names: Iterable[str], recognize: R
     return [] if folder is None else [Output(option, folder / name, recognize) for name in names]
 
 
-def _refuse_replacing(option: str, file: Path) -> None:
-    message = (
-        f"{option} {file} exists, and this command did not make it from this input, or somebody has edited "
-        "it since: choose another name, or replace it with --force"
-    )
-    raise UsageError(message)
-
-
 def refuse_picture(path: Path | None) -> None:
     """Refuse a picture of another format than those that the help names.
 
-    Raises
-    ------
-    UsageError
-        If the ending is none of them.
+    Raises `UsageError` if the ending is none of them.
     """
     if path is not None and path.suffix.lower() not in (".png", ".svg", ".pdf"):
         told = f"the ending '{path.suffix}'" if path.suffix else "no ending"
-        message = f"{path} has {told}; a plot is .png, .svg or .pdf"
-        raise UsageError(message)
+        raise UsageError(f"{path} has {told}; a plot is .png, .svg or .pdf")
 
 
 def _refuse_pages(outputs: Iterable[Output]) -> None:
     for path in (Path(o.path) for o in outputs if o.option == "--report" and o.path is not None):
         if path.suffix.lower() not in (".html", ".htm"):
-            message = f"--report {path} is a page for a browser; give a name that ends in .html"
-            raise UsageError(message)
+            raise UsageError(f"--report {path} is a page for a browser; give a name that ends in .html")
 
 
 def pass_on(text: str, target: Path | str | None) -> None:
@@ -232,8 +197,7 @@ def _refuse_input(option: str, file: Path, inputs: Iterable[Path | str | None]) 
     for source in (Path(path) for path in inputs if path is not None):
         if _is_part(file, source):
             named = f"{source}" if str(source) == str(file) else f"{source}, by another name"
-            message = f"{option} {file} is an input of this command ({named}); choose another name"
-            raise UsageError(message)
+            raise UsageError(f"{option} {file} is an input of this command ({named}); choose another name")
 
 
 def _is_part(file: Path, source: Path) -> bool:
@@ -276,10 +240,14 @@ def _nearest(folder: Path) -> Path:
 
 
 def _refuse(path: Path, reason: str) -> None:
-    message = f"{path} cannot be written: {reason}"
-    raise UsageError(message)
+    raise UsageError(f"{path} cannot be written: {reason}")
+
+
+def this_command() -> str:
+    """The command that runs."""
+    return shlex.join(["echocal", *sys.argv[1:]])
 
 
 def write_report(path: Path, page: Callable[[Any, str, str], str], result: Any, heading: str) -> None:
     """Write the page of a result, with the command that runs."""
-    replace_text(path, page(result, heading, shlex.join(["echocal", *sys.argv[1:]])))
+    replace_text(path, page(result, heading, this_command()))

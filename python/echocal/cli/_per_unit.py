@@ -1,7 +1,7 @@
 """``echocal firmware`` with parameters of single units: one block, or a folder of them."""
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -19,8 +19,6 @@ from echocal.per_unit import TABLE, Block, Box, block_of, number_of, write_units
 from echocal.per_unit.block import BYTES
 from echocal.per_unit.box import PARAMETERS
 
-__all__ = ["Blocks", "run"]
-
 _USED = {"out", "model", "per_unit", "unit_data", "unit_number", "units", "force", "json", "quiet"}
 _FEW = 3  # refusals that are told; the table has all
 _SCHEMA = "echocal.unit_data/1"
@@ -28,32 +26,19 @@ _SCHEMA = "echocal.unit_data/1"
 
 @dataclass(frozen=True)
 class Blocks:
-    """What is asked for.
+    """What is asked for."""
 
-    Attributes
-    ----------
-    unit, units : Path or None
-        Model of a unit, or folder of them.
-    number : int or None
-        Number of the unit; default: from the name of its file.
-    model : Path or None
-        Model of the firmware.
-    per_unit : sequence of str
-        Box of the firmware.
-    """
-
-    unit: Path | None
-    units: Path | None
-    number: int | None
-    model: Path | None
-    per_unit: Sequence[str]
+    unit: Path | None  # model of a unit
+    units: Path | None  # folder of them
+    number: int | None  # of the unit; default: from the name of its file
+    model: Path | None  # of the firmware
+    per_unit: Sequence[str]  # box of the firmware
 
 
 def run(asked: Blocks, out: Path, report: str | None, console: Console, *, force: bool, quiet: bool) -> None:
     """Write one block, or a folder of blocks, and say so."""
     if asked.unit is not None and asked.units is not None:
-        message = "--unit-data writes one block, --units a folder of them: give one of both"
-        raise UsageError(message)
+        raise UsageError("--unit-data writes one block, --units a folder of them: give one of both")
     refuse_others(
         _USED if asked.units is None else _USED - {"force"},
         "--unit-data and --units write blocks, and no function. Leave these options out, or give them in a "
@@ -66,10 +51,9 @@ def run(asked: Blocks, out: Path, report: str | None, console: Console, *, force
         found = _many(asked, model, out, console, quiet=quiet)
     pass_on(json.dumps({"schema": _SCHEMA, **found}, indent=2) + "\n", report)
     if found["refused"]:
-        message = (
+        raise DataError(
             f"{len(found['refused'])} of {found['units']} units were refused; {out / TABLE} has each reason"
         )
-        raise DataError(message)
 
 
 def _one(
@@ -81,8 +65,7 @@ def _one(
     box = _box(model, unit, asked.per_unit)
     found = number_of(file) if asked.number is None else asked.number
     if found is None:
-        message = f"{file.name}: its name does not end in the number of the unit: give --unit-number"
-        raise DataError(message)
+        raise DataError(f"{file.name}: its name does not end in the number of the unit: give --unit-number")
     block = block_of(unit, found, box, model, file.name)
     with replacing(out) as unfinished:
         unfinished.write_bytes(block.to_bytes())
@@ -100,7 +83,8 @@ def _many(asked: Blocks, model: Model | None, out: Path, console: Console, *, qu
         done = write_units(folder, out, model=model, per_unit=asked.per_unit, progress=tell)
     console.print(f"written: {done.written} blocks and [cyan]{escape(str(out / TABLE))}[/]")
     _tell_uncompared(model, console)
-    _tell_refused(done.refused, console)
+    for reason in list(done.refused.values())[:_FEW]:
+        console.print(f"[yellow]refused[/] {escape(reason)}")
     return {"units": done.written + len(done.refused), "refused": dict(done.refused)}
 
 
@@ -116,11 +100,6 @@ def _tell_uncompared(model: Model | None, console: Console) -> None:
             "[yellow]note[/] no model of the firmware was given, so nothing else was compared with it; the "
             "firmware itself refuses parameters outside its box"
         )
-
-
-def _tell_refused(refused: Mapping[str, str], console: Console) -> None:
-    for reason in list(refused.values())[:_FEW]:
-        console.print(f"[yellow]refused[/] {escape(reason)}")
 
 
 def _is_block(file: Path) -> bool:

@@ -16,8 +16,6 @@ from rich.progress import (
 from echocal.cli._console import Console
 from echocal.correct.driver import Progress as State
 
-__all__ = ["bar", "counted_bar", "rows_bar"]
-
 
 def bar(quiet: bool, *columns: ProgressColumn) -> Progress:
     """Progress bar on a terminal with what it does, the bar and further columns; none in a log or a pipe."""

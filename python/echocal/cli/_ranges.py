@@ -1,10 +1,28 @@
-"""The ranges of ``--can-vary``."""
+"""Ranges: of the air and the distance on a grid, and those of ``--can-vary``."""
 
 from collections.abc import Iterable
+from typing import Annotated, TypeAlias
+
+import typer
 
 from echocal.errors import UsageError
+from echocal.sweep import Range, parse
 
-__all__ = ["parsed_ranges"]
+Temperature: TypeAlias = Annotated[
+    str | None, typer.Option(metavar="RANGE", help="Air temperature [degC]: 20, 0:50:2 or 0,20,50.")
+]
+Distance: TypeAlias = Annotated[
+    str | None, typer.Option(metavar="RANGE", help="True distance [m]; default 2.")
+]
+Humidity: TypeAlias = Annotated[
+    str | None, typer.Option(metavar="RANGE", help="Relative humidity [1], 0 to 1; default 0.")
+]
+Pressure: TypeAlias = Annotated[str | None, typer.Option(metavar="RANGE", help="Air pressure [Pa].")]
+
+
+def given_ranges(**texts: str | None) -> dict[str, Range]:
+    """Those ranges that the user gives, by quantity."""
+    return {name: parse(name, text) for name, text in texts.items() if text is not None}
 
 
 def parsed_ranges(texts: Iterable[str]) -> dict[str, tuple[float, float]]:
@@ -14,10 +32,9 @@ def parsed_ranges(texts: Iterable[str]) -> dict[str, tuple[float, float]]:
         name, ends = _parsed(text)
         if name in ranges:
             low, high = ranges[name]
-            message = (
+            raise UsageError(
                 f"--can-vary gives {name} twice: {low:g}:{high:g} and {ends[0]:g}:{ends[1]:g}; give one range"
             )
-            raise UsageError(message)
         ranges[name] = ends
     return ranges
 
@@ -31,5 +48,4 @@ def _parsed(text: str) -> tuple[str, tuple[float, float]]:
             return name, (float(low), float(high))
     except ValueError:
         pass
-    message = f"--can-vary '{text}' is not a range such as distance=0.2:4"
-    raise UsageError(message)
+    raise UsageError(f"--can-vary '{text}' is not a range such as distance=0.2:4")

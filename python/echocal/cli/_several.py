@@ -20,17 +20,6 @@ from echocal.keywords import command_line
 from echocal.model.folder import INDEX, index_text, named
 from echocal.outputs import replace_text
 
-__all__ = [
-    "How",
-    "Outputs",
-    "diagnose_sensors",
-    "diagnose_tables",
-    "is_fleet",
-    "refuse_options",
-    "tables_bar",
-    "told_apart",
-]
-
 _SHARED = "shared.json"
 _INSTEAD = {
     "--with-shape": "an unexplained term belongs to its table: diagnose {one} alone",
@@ -99,8 +88,7 @@ def refuse_options(given: Mapping[str, object], *, is_fleet: bool) -> None:
     there, instead = ("this is a fleet", _OF_A_FLEET) if is_fleet else ("several are given", _OF_TABLES)
     for option, value in given.items():
         if value:
-            message = f"{option} is for one table, and {there}; {instead[option]}"
-            raise UsageError(message)
+            raise UsageError(f"{option} is for one table, and {there}; {instead[option]}")
 
 
 def diagnose_sensors(
@@ -117,10 +105,7 @@ def diagnose_sensors(
 ) -> None:
     """Diagnose each sensor, and write and print the verdicts.
 
-    Raises
-    ------
-    DataError
-        If a sensor cannot be diagnosed; everything is written then.
+    Raises `DataError` if a sensor cannot be diagnosed; everything is written then.
     """
     from echocal.fleet import diagnose_fleet
     from echocal.report.several import print_fleet
@@ -166,17 +151,15 @@ def diagnose_sensors(
         print_fleet(fleet.summary, Console())
     if fleet.failed:
         first = next(row for row in fleet.rows if row["verdict"] == "failed")
-        message = (
+        raise DataError(
             f"{fleet.failed} of {len(fleet.rows)} sensors could not be diagnosed, the others were; "
             f"the first: {first['sensor']}: {first['reason']}"
         )
-        raise DataError(message)
 
 
 def _check(inputs: Sequence[Path], used: Sequence[str | None], outputs: Outputs, force: bool) -> None:
     if outputs.table is not None and outputs.table.suffix.lower() not in {".parquet", ".csv"}:
-        message = f"--output {outputs.table} must end in .parquet or .csv"
-        raise UsageError(message)
+        raise UsageError(f"--output {outputs.table} must end in .parquet or .csv")
     every = [*inputs, *used]
     check_outputs(
         Output("--output", outputs.table, _made_by.verdicts()),
@@ -217,16 +200,20 @@ def diagnose_tables(
     from echocal.report.several import print_pooled
 
     if by is not None and len(tables) > 1:
-        message = f"--by divides one table, and {len(tables)} are given; give one table, or leave --by out"
-        raise UsageError(message)
+        raise UsageError(
+            f"--by divides one table, and {len(tables)} are given; give one table, or leave --by out"
+        )
     sources = sources_of(tables if by is None else tables[0], by, reading)
     origin = dict.fromkeys(sources.tables, tables[0])
     if by is None:
         origin = dict(zip(sources.tables, tables, strict=True))
-    files = _model_files(list(sources.tables), outputs.models)
+    # as `echocal correct --models` looks for it
+    folder, names = outputs.models, named(list(sources.tables), [_SHARED])
+    files = {} if folder is None else {name: folder / file for name, file in names.items()}
     check_outputs(
         *(Output("--models", file, _made_by.model("diagnose", origin[name])) for name, file in files.items()),
-        *_shared(outputs.models, tables[0]),
+        *made_in(outputs.models, "--models", [_SHARED], _made_by.model("diagnose", tables[0])),
+        *made_in(outputs.models, "--models", [INDEX], _made_by.sensor_model()),
         Output("--json", outputs.json, _made_by.result("echocal.pooled_diagnosis", "echocal.diagnosis")),
         Output("--report", outputs.report, _made_by.report("diagnose")),
         inputs=[*tables, *inputs],
@@ -277,18 +264,6 @@ def diagnose_tables(
 def tables_bar(quiet: bool) -> Progress:
     """Progress bar with the number done and the time that it took."""
     return bar(quiet, MofNCompleteColumn(), TimeElapsedColumn())
-
-
-def _model_files(names: Sequence[str], folder: Path | None) -> dict[str, Path]:
-    """File of each table's model, as `echocal correct --models` looks for it."""
-    if folder is None:
-        return {}
-    return {name: folder / file for name, file in named(names, [_SHARED]).items()}
-
-
-def _shared(folder: Path | None, table: Path) -> list[Output]:
-    index = made_in(folder, "--models", [INDEX], _made_by.sensor_model())
-    return [*made_in(folder, "--models", [_SHARED], _made_by.model("diagnose", table)), *index]
 
 
 def _pictures(folder: Path | None, form: str) -> list[Output]:

@@ -14,17 +14,13 @@ from typing import Annotated, Any, TypeAlias, get_type_hints
 import typer
 
 from echocal.cli._console import Console
-from echocal.cli._options import Options, added, from_stdin
-from echocal.cli._outputs import Quiet, pass_on
+from echocal.cli._options import Options, added
+from echocal.cli._outputs import pass_on
 from echocal.engines import ENGINES
 from echocal.errors import DataWarning, DomainWarning, UsageError
 from echocal.observations import Observations, read_observations
 from echocal.observations.options import ReadOptions
 from echocal.observations.plan import read_columns
-
-__all__ = ["AS_IT_IS", "Columns", "Engine", "Given", "Json", "Quiet", "SpreadsheetSafe", "column_requests"]
-__all__ += ["conditions", "error_codes", "from_stdin", "noted", "notes", "read", "reading_options"]
-__all__ += ["reading_words", "toml_files", "write_json"]
 
 _OURS = (DataWarning, DomainWarning)
 
@@ -37,65 +33,6 @@ Columns: TypeAlias = Annotated[
         help='What a column holds: "SR_U=reading_m"; or a TOML file of pairs.',
     ),
 ]
-Missing: TypeAlias = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--missing",
-        metavar="[A=]CODE",
-        callback=added,
-        help='Error code for "no value": -9999, or "Distance [mm]=9999".',
-    ),
-]
-ReadingSpeed: TypeAlias = Annotated[
-    str | None,
-    typer.Option(metavar="C", help='Speed that readings were made with: 343, "331.4+0.6*T", a law.'),
-]
-Trust: TypeAlias = Annotated[
-    list[str] | None,
-    typer.Option("--trust", metavar="A", help="Column that is right although it looks like another unit."),
-]
-TimeZone: TypeAlias = Annotated[str, typer.Option(help="Zone of times without an offset.")]
-SkipLines: TypeAlias = Annotated[int, typer.Option(min=0, help="Lines before the header.")]
-Decimal: TypeAlias = Annotated[
-    str | None, typer.Option(help="Decimal separator of a text file; default: seen in it.")
-]
-At: TypeAlias = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--at",
-        metavar="NAME=VALUE",
-        callback=added,
-        help="Condition that the table has no column for, with its standard uncertainty: temperature=20+-2 "
-        "(degC), humidity=50+-20 (%), pressure=1013 (hPa).",
-    ),
-]
-TimeFormat: TypeAlias = Annotated[
-    str | None,
-    typer.Option(
-        metavar="FORMAT", help='How times are written, as of strptime: "%d/%m/%Y %H:%M"; default: seen.'
-    ),
-]
-Sheet: TypeAlias = Annotated[str | None, typer.Option(metavar="NAME", help="Sheet of a spreadsheet.")]
-MountHeight: TypeAlias = Annotated[
-    float | None,
-    typer.Option(
-        metavar="M",
-        help="Height of the sensor above the zero of a level, in m, with --column NAME=level_m; else fitted.",
-    ),
-]
-ReferenceLog: TypeAlias = Annotated[
-    Path | None,
-    typer.Option(
-        "--reference",
-        metavar="FILE",
-        help="Another log with the reference distances, or levels: joined by time. A correction needs none; "
-        "it leaves out what --column says of it.",
-    ),
-]
-ReferenceJoin: TypeAlias = Annotated[
-    str, typer.Option(metavar="interpolated|nearest", help="How its values come to the times of the rows.")
-]
-Encoding: TypeAlias = Annotated[str, typer.Option(help="Encoding of a text file.")]
 SpreadsheetSafe: TypeAlias = Annotated[
     bool,
     typer.Option(
@@ -113,19 +50,69 @@ Json: TypeAlias = Annotated[
 
 _FLAGS = {
     "columns": Columns,
-    "missing": Missing,
-    "trust": Trust,
-    "reading_speed": ReadingSpeed,
-    "time_zone": TimeZone,
-    "skip_lines": SkipLines,
-    "decimal": Decimal,
-    "encoding": Encoding,
-    "at": At,
-    "time_format": TimeFormat,
-    "sheet": Sheet,
-    "mount_height": MountHeight,
-    "reference": ReferenceLog,
-    "reference_join": ReferenceJoin,
+    "missing": Annotated[
+        list[str] | None,
+        typer.Option(
+            "--missing",
+            metavar="[A=]CODE",
+            callback=added,
+            help='Error code for "no value": -9999, or "Distance [mm]=9999".',
+        ),
+    ],
+    "trust": Annotated[
+        list[str] | None,
+        typer.Option(
+            "--trust", metavar="A", help="Column that is right although it looks like another unit."
+        ),
+    ],
+    "reading_speed": Annotated[
+        str | None,
+        typer.Option(metavar="C", help='Speed that readings were made with: 343, "331.4+0.6*T", a law.'),
+    ],
+    "time_zone": Annotated[str, typer.Option(help="Zone of times without an offset.")],
+    "skip_lines": Annotated[int, typer.Option(min=0, help="Lines before the header.")],
+    "decimal": Annotated[
+        str | None, typer.Option(help="Decimal separator of a text file; default: seen in it.")
+    ],
+    "encoding": Annotated[str, typer.Option(help="Encoding of a text file.")],
+    "at": Annotated[
+        list[str] | None,
+        typer.Option(
+            "--at",
+            metavar="NAME=VALUE",
+            callback=added,
+            help="Condition that the table has no column for, with its standard uncertainty: "
+            "temperature=20+-2 (degC), humidity=50+-20 (%), pressure=1013 (hPa).",
+        ),
+    ],
+    "time_format": Annotated[
+        str | None,
+        typer.Option(
+            metavar="FORMAT", help='How times are written, as of strptime: "%d/%m/%Y %H:%M"; default: seen.'
+        ),
+    ],
+    "sheet": Annotated[str | None, typer.Option(metavar="NAME", help="Sheet of a spreadsheet.")],
+    "mount_height": Annotated[
+        float | None,
+        typer.Option(
+            metavar="M",
+            help="Height of the sensor above the zero of a level, in m, with --column NAME=level_m; else "
+            "fitted.",
+        ),
+    ],
+    "reference": Annotated[
+        Path | None,
+        typer.Option(
+            "--reference",
+            metavar="FILE",
+            help="Another log with the reference distances, or levels: joined by time. A correction needs "
+            "none; it leaves out what --column says of it.",
+        ),
+    ],
+    "reference_join": Annotated[
+        str,
+        typer.Option(metavar="interpolated|nearest", help="How its values come to the times of the rows."),
+    ],
     "options": Options,
 }
 """Flags of every command that reads a table."""
@@ -142,8 +129,7 @@ def column_requests(texts: Sequence[str] | None) -> dict[str, str]:
         elif text.endswith(".toml"):
             requests |= read_columns(text)
         else:
-            message = f'--column "{text}" is neither a pair ("SR_U=reading_m") nor a TOML file'
-            raise UsageError(message)
+            raise UsageError(f'--column "{text}" is neither a pair ("SR_U=reading_m") nor a TOML file')
     return requests
 
 
@@ -167,8 +153,7 @@ def conditions(texts: Sequence[str] | None) -> dict[str, str]:
     for text in texts or ():
         name, equals, value = text.partition("=")
         if not equals:
-            message = f'--at "{text}" is no pair; like --at temperature=20+-2'
-            raise UsageError(message)
+            raise UsageError(f'--at "{text}" is no pair; like --at temperature=20+-2')
         found[name.strip()] = value
     return found
 

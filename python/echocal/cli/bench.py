@@ -71,9 +71,9 @@ def command(
     """
     ends = _span(span)
     if out.suffix.lower() != ".csv":
-        message = f"--out {out} must end in .csv"
-        raise UsageError(message)
-    check_outputs(Output("--out", out, _measured), inputs=[*reading.files], force=force)
+        raise UsageError(f"--out {out} must end in .csv")
+    # the rows of an earlier experiment are measured data: no existing table may be replaced unasked
+    check_outputs(Output("--out", out, lambda _: False), inputs=[*reading.files], force=force)
     with ExitStack() as at_end:
         source = None if port is None else Port(port, baud)
         if source is not None:
@@ -81,10 +81,10 @@ def command(
         walk = _Walk(out, ends, readings, base, Ruler(reading, names or ""), source)
         walk.run()
     if walk.ruler.table.empty:
-        message = f"no placement was measured, so {out} is not written"
-        raise DataError(message)
+        raise DataError(f"no placement was measured, so {out} is not written")
     given = reading_words(Given(**walk.ruler.reading()))
-    again = command_line(str(out), base=None if base == "linear" else base, **given, out=_folder(out))
+    folder = None if out.parent == Path() else out.parent
+    again = command_line(str(out), base=None if base == "linear" else base, **given, out=folder)
     walk.say(f"\n{again}")
     from echocal.cli import app  # which imports this file when the command runs
 
@@ -195,12 +195,12 @@ class _Walk:
     def _answer(self, text: str, convert: Callable[[str], _Answer], flag: str) -> _Answer:
         """An answer that nothing can be measured without."""
         if not self.person:
-            message = f"the lines do not say it, and nobody is at the terminal to ask: {text.strip()} {flag}"
-            raise DataError(message)
+            raise DataError(
+                f"the lines do not say it, and nobody is at the terminal to ask: {text.strip()} {flag}"
+            )
         found = self._asked(text, convert)
         if found is None:
-            message = f"no answer came: {flag}"
-            raise DataError(message)
+            raise DataError(f"no answer came: {flag}")
         return found
 
     def _asked(self, text: str, convert: Callable[[str], _Answer]) -> _Answer | None:
@@ -240,29 +240,17 @@ class _Walk:
         self.say(f"  so far {word}: {short.wrong}\n  {short.size} {short.sure}")
 
 
-def _measured(file: Path) -> bool:
-    """No existing table may be replaced unasked: the rows of an earlier experiment are measured data."""
-    del file
-    return False
-
-
 def _span(text: str) -> Span:
     near, _, far = text.partition(":")
     try:
         ends = float(near), float(far)
     except ValueError:
-        message = f"--span '{text}' is not two distances in m, such as 0.3:3"
-        raise UsageError(message) from None
+        raise UsageError(f"--span '{text}' is not two distances in m, such as 0.3:3") from None
     for one in ends:
         refuse_distance(one)
     if not ends[0] < ends[1]:
-        message = f"--span '{text}': the nearer place comes first, such as 0.3:3"
-        raise UsageError(message)
+        raise UsageError(f"--span '{text}': the nearer place comes first, such as 0.3:3")
     return ends
-
-
-def _folder(out: Path) -> Path | None:
-    return None if out.parent == Path() else out.parent
 
 
 def _meters(text: str) -> float:
@@ -272,16 +260,14 @@ def _meters(text: str) -> float:
     try:
         found = float(text.removesuffix("m").strip())
     except ValueError:
-        message = f"'{text}' is no distance: a number of meters such as 1.2, Enter, or done"
-        raise UsageError(message) from None
+        raise UsageError(f"'{text}' is no distance: a number of meters such as 1.2, Enter, or done") from None
     refuse_distance(found)
     return found
 
 
 def _heading(text: str) -> str:
     if not text:
-        message = f"names with units, a comma between two: {_NAMES}"
-        raise UsageError(message)
+        raise UsageError(f"names with units, a comma between two: {_NAMES}")
     return text
 
 

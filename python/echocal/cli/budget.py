@@ -11,18 +11,9 @@ from echocal.budget.coverage import COVERAGE
 from echocal.cli import _made_by
 from echocal.cli._console import Console
 from echocal.cli._models import Effects, Law, Uncertain, model_of, read_for
-from echocal.cli._outputs import Force, Output, check_outputs
-from echocal.cli._tables import (
-    AS_IT_IS,
-    Given,
-    Json,
-    Quiet,
-    from_stdin,
-    noted,
-    read,
-    reading_options,
-    write_json,
-)
+from echocal.cli._options import from_stdin
+from echocal.cli._outputs import Force, Output, Quiet, check_outputs
+from echocal.cli._tables import AS_IT_IS, Given, Json, noted, read, reading_options, write_json
 from echocal.errors import UsageError
 from echocal.outputs import replace_text
 from echocal.sweep import parse, parse_named
@@ -79,10 +70,9 @@ def command(
     with noted(quiet):
         if data is not None:
             if distance or temperature or grid:
-                message = (
+                raise UsageError(
                     "--distance, --temperature and --grid make a grid, and a table is given; leave them out"
                 )
-                raise UsageError(message)
             reading = read_for(corrects, reading)
             given: dict[str, Any] = {"observations": read(data, quiet, reading)}
         else:
@@ -108,6 +98,5 @@ def _shown(found: Budget, row: int | None) -> int:
     if row is None:
         return int(np.nanargmax(found.expanded_uncertainty))
     if row > len(found.distance) or not np.isfinite(found.distance[row - 1]):
-        message = f"--row {row}: there are {len(found.distance)} rows, and the row needs a distance"
-        raise UsageError(message)
+        raise UsageError(f"--row {row}: there are {len(found.distance)} rows, and the row needs a distance")
     return row - 1

@@ -12,18 +12,9 @@ from echocal.cli import _made_by
 from echocal.cli._complete import parameters
 from echocal.cli._console import Console
 from echocal.cli._models import Effects, Law, model_of
-from echocal.cli._outputs import Force, Output, Report, check_outputs, write_report
-from echocal.cli._tables import (
-    AS_IT_IS,
-    Given,
-    Json,
-    Quiet,
-    from_stdin,
-    noted,
-    read,
-    reading_options,
-    write_json,
-)
+from echocal.cli._options import from_stdin
+from echocal.cli._outputs import Force, Output, Quiet, Report, check_outputs, write_report
+from echocal.cli._tables import AS_IT_IS, Given, Json, noted, read, reading_options, write_json
 
 STRONG = 0.95  # correlation from which two parameters are named
 

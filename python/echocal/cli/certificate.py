@@ -1,7 +1,5 @@
 """``echocal certificate``: corrected distances with their uncertainty, to be signed."""
 
-import shlex
-import sys
 from pathlib import Path
 from typing import Annotated
 
@@ -11,8 +9,8 @@ from echocal.budget.coverage import COVERAGE
 from echocal.cli import _made_by
 from echocal.cli._console import Console
 from echocal.cli._models import Uncertain, end, read_for
-from echocal.cli._outputs import Force, Output, check_outputs
-from echocal.cli._tables import AS_IT_IS, Given, Json, Quiet, noted, read, reading_options, write_json
+from echocal.cli._outputs import Force, Output, Quiet, check_outputs, this_command
+from echocal.cli._tables import AS_IT_IS, Given, Json, noted, read, reading_options, write_json
 from echocal.errors import UsageError
 from echocal.model import Model
 
@@ -47,8 +45,7 @@ def command(
         force=force,
     )
     if not mpe_mm > 0.0:
-        message = f"--mpe-mm {mpe_mm:g}: the maximum permissible error must be a positive length"
-        raise UsageError(message)
+        raise UsageError(f"--mpe-mm {mpe_mm:g}: the maximum permissible error must be a positive length")
     with noted(quiet):
         own = Model.load(model)
         reading = read_for(own, reading)
@@ -60,7 +57,7 @@ def command(
             uncertainties=uncertainties or (),
             coverage=coverage,
         )
-    made = shlex.join(["echocal", *sys.argv[1:]])
+    table = own.provenance.get("table")
     identification = {
         "device": device or "not stated",
         "issued by": issued_by or "not stated",
@@ -68,17 +65,11 @@ def command(
         "model file": f"{model.name}, hash {own.hash}",
         "data file": f"{data.name}, SHA-256 {sha256_of(data)}",
         "rows": f"{len(found.rows)} of {len(observations)}",
-        **_origin(own),
     }
-    save_certificate(found, out, identification, made)
+    if isinstance(table, str):
+        identification["model from"] = f"{table}, by {own.provenance.get('made_by', '')}"
+    save_certificate(found, out, identification, this_command())
     write_json(found.budget.to_dict(), json)
     if not quiet and json != "-":
         Console(soft_wrap=True).print(f"{found.decision}: {found.statement}", markup=False)
     end(found.decision)
-
-
-def _origin(model: Model) -> dict[str, str]:
-    table = model.provenance.get("table")
-    return (
-        {"model from": f"{table}, by {model.provenance.get('made_by', '')}"} if isinstance(table, str) else {}
-    )

@@ -8,17 +8,16 @@ import typer
 
 from echocal.cli import _made_by
 from echocal.cli._console import Console
-from echocal.cli._models import Effects, Law, Uncertain, model_of
-from echocal.cli._outputs import Force, Output, check_outputs, made_in
+from echocal.cli._models import Effects, Law, MarkRows, ModelFile, Uncertain, model_of
+from echocal.cli._options import from_stdin
+from echocal.cli._outputs import Force, Output, Quiet, check_outputs, made_in
 from echocal.cli._progress import rows_bar
 from echocal.cli._tables import (
     AS_IT_IS,
     Engine,
     Given,
     Json,
-    Quiet,
     SpreadsheetSafe,
-    from_stdin,
     notes,
     reading_options,
     write_json,
@@ -44,9 +43,7 @@ def command(
         ),
     ],
     out: Annotated[str, typer.Option("--out", "-o", metavar="OUT", help="File or folder to write.")],
-    model: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="Model file; default: a law alone.")
-    ] = None,
+    model: ModelFile = None,
     law: Law = None,
     effect: Effects = None,
     models: Annotated[
@@ -68,13 +65,7 @@ def command(
             "--transferable", help="Leave out effects that belong to the measurement campaign of the model."
         ),
     ] = False,
-    mark_rows: Annotated[
-        bool,
-        typer.Option(
-            "--mark-rows/--no-mark-rows",
-            help="Mark rows that are as those which the diagnosis of the model left out.",
-        ),
-    ] = True,
+    mark_rows: MarkRows = True,
     uncertainties: Uncertain = None,
     append_only: Annotated[
         str | None,
@@ -149,8 +140,7 @@ def command(
         _print(summary, files)
     if summary.set_aside:
         shown = "; ".join(list(summary.set_aside.values())[:3])
-        message = f"{len(summary.set_aside)} of {len(files)} files were set aside: {shown}"
-        raise DataError(message)
+        raise DataError(f"{len(summary.set_aside)} of {len(files)} files were set aside: {shown}")
 
 
 def _made(inputs: Inputs, out: Place) -> list[Output]:
@@ -178,8 +168,7 @@ def _refuse_replacing(inputs: Inputs, out: Object) -> None:
     for source in inputs.files:
         coming = out if inputs.single else out / source.place
         if coming.exists():
-            message = f"--out {coming} exists: choose another name, or replace it with --force"
-            raise UsageError(message)
+            raise UsageError(f"--out {coming} exists: choose another name, or replace it with --force")
 
 
 def _of_model(correction: Model | None) -> list[str]:

@@ -10,11 +10,12 @@ from echocal.cli import _made_by, _several
 from echocal.cli._brief import follow_up, print_brief, without_evidence
 from echocal.cli._complete import bases
 from echocal.cli._console import Console
-from echocal.cli._options import stated
+from echocal.cli._options import from_stdin, stated
 from echocal.cli._outputs import (
     Force,
     Output,
     PlotFormat,
+    Quiet,
     Report,
     check_outputs,
     made_in,
@@ -26,9 +27,7 @@ from echocal.cli._tables import (
     AS_IT_IS,
     Given,
     Json,
-    Quiet,
     SpreadsheetSafe,
-    from_stdin,
     noted,
     reading_options,
     reading_words,
@@ -324,8 +323,7 @@ _OF_A_FLEET = ("results", "kind", "memory", "workers", "engine", "spreadsheet_sa
 def _refuse_fleet_options(is_fleet: bool) -> None:
     given = (name for name in _OF_A_FLEET if stated(name))
     if not is_fleet and (name := next(given, None)) is not None:
-        message = f"--{name.replace('_', '-')} is for a fleet: give -o FILE, or a folder of logs"
-        raise UsageError(message)
+        raise UsageError(f"--{name.replace('_', '-')} is for a fleet: give -o FILE, or a folder of logs")
 
 
 def _pictures(folder: Path | None, form: str) -> list[Output]:
@@ -358,8 +356,7 @@ def _after(diagnosis: Diagnosis, data: Path, model: Path | None, reading: Given)
 def _ranges(first: list[str] | None, more: list[str]) -> dict[str, tuple[float, float]] | None:
     """Ranges after ``--can-vary``, however many follow it."""
     if more and not first:
-        message = f"'{more[0]}' is neither a table nor a range of --can-vary: there is no such file"
-        raise UsageError(message)
+        raise UsageError(f"'{more[0]}' is neither a table nor a range of --can-vary: there is no such file")
     texts = [text for joined in (*(first or ()), *more) for text in joined.split()]
     return parsed_ranges(texts) or None
 

@@ -7,9 +7,9 @@ import typer
 
 from echocal.cli import _made_by
 from echocal.cli._console import Console
-from echocal.cli._outputs import Force, Output, check_outputs, refuse_picture
+from echocal.cli._outputs import Force, Output, Quiet, check_outputs, refuse_picture
 from echocal.cli._progress import counted_bar
-from echocal.cli._tables import Json, Quiet, write_json
+from echocal.cli._tables import Json, write_json
 from echocal.errors import UsageError
 from echocal.outputs import write_table
 
@@ -110,8 +110,7 @@ def command(
 
 def _refuse_ending(out: Path | None) -> None:
     if out is not None and out.suffix.lower() not in (".csv", ".parquet"):
-        message = f"cannot write '{out.suffix}' ({out}); endings: .csv, .parquet"
-        raise UsageError(message)
+        raise UsageError(f"cannot write '{out.suffix}' ({out}); endings: .csv, .parquet")
 
 
 def _template(given: str | None, rate: float) -> Any:

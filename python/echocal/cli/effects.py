@@ -15,6 +15,7 @@ from echocal.cli import _made_by
 from echocal.cli._complete import causes as completed
 from echocal.cli._console import Console
 from echocal.cli._outputs import Force, Output, Quiet, check_outputs, pass_on
+from echocal.cli._tables import Json
 from echocal.diagnose.catalogue import causes, find_cause, irregularities
 from echocal.diagnose.findings.facts import CauseFacts
 from echocal.model.composition import Model
@@ -30,8 +31,6 @@ command = typer.Typer(
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
 )
-
-Json = Annotated[str | None, typer.Option("--json", metavar="FILE", help="Write JSON; - is stdout.")]
 
 
 @command.callback(invoke_without_command=True)

@@ -12,14 +12,14 @@ from rich.table import Table
 from echocal.cli import _made_by
 from echocal.cli._console import Console
 from echocal.cli._options import from_stdin
-from echocal.cli._outputs import Force, Output, check_outputs, refuse_picture
+from echocal.cli._outputs import Force, Output, Quiet, check_outputs, refuse_picture
 from echocal.cli._progress import counted_bar
-from echocal.cli._tables import Columns, Json, Quiet, column_requests, noted, notes, toml_files, write_json
+from echocal.cli._ranges import Distance, Humidity, Pressure, Temperature, given_ranges
+from echocal.cli._tables import Columns, Json, column_requests, noted, notes, toml_files, write_json
 from echocal.emulation import TRUTH, Emulation, emulate, error_parts
 from echocal.errors import UsageError
 from echocal.model import Model
 from echocal.outputs import csv_text, replace_text
-from echocal.sweep import parse
 
 
 def command(
@@ -42,16 +42,10 @@ def command(
     model: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Model, whose generated C runs instead of a sketch.")
     ] = None,
-    temperature: Annotated[
-        str | None, typer.Option(metavar="RANGE", help="Air temperature [degC]: 20, 0:50:2 or 0,20,50.")
-    ] = None,
-    distance: Annotated[
-        str | None, typer.Option(metavar="RANGE", help="True distance [m]; default 2.")
-    ] = None,
-    relative_humidity: Annotated[
-        str | None, typer.Option(metavar="RANGE", help="Relative humidity [1], 0 to 1; default 0.")
-    ] = None,
-    pressure: Annotated[str | None, typer.Option(metavar="RANGE", help="Air pressure [Pa].")] = None,
+    temperature: Temperature = None,
+    distance: Distance = None,
+    relative_humidity: Humidity = None,
+    pressure: Pressure = None,
     columns: Columns = None,
     part: Annotated[str, typer.Option(help="Thermometer at A0: tmp36, lm35 or potentiometer.")] = "tmp36",
     humidity: Annotated[
@@ -89,13 +83,9 @@ def command(
 ) -> None:
     """Run a sketch on an emulated Arduino UNO with an HC-SR04 and a thermometer."""
     _refuse(data, out, sketch, model, columns, library, json, waveform, force=force)
-    texts = {
-        "temperature": temperature,
-        "distance": distance,
-        "relative_humidity": relative_humidity,
-        "pressure": pressure,
-    }
-    ranges: dict[str, Any] = {name: parse(name, text) for name, text in texts.items() if text is not None}
+    ranges: dict[str, Any] = given_ranges(
+        temperature=temperature, distance=distance, relative_humidity=relative_humidity, pressure=pressure
+    )
     followed = None if model is None else Model.load(model)
     with noted(quiet), counted_bar(quiet, "measuring") as tell:
         found = emulate(
@@ -149,11 +139,9 @@ def _refuse(
         force=force,
     )
     if out is not None and out.suffix.lower() != ".csv":
-        message = f"--out {out}: the table is written as .csv"
-        raise UsageError(message)
+        raise UsageError(f"--out {out}: the table is written as .csv")
     if model is not None and sketch is not None:
-        message = "give --sketch or --model, not both"
-        raise UsageError(message)
+        raise UsageError("give --sketch or --model, not both")
 
 
 def _parts(found: Emulation, model: Model | None) -> dict[str, dict[str, float]]:
@@ -171,8 +159,7 @@ def _plot(found: Emulation, path: Path, row: int, seed: int | None) -> None:
 
     inputs = found.inputs
     if inputs.distance is None:
-        message = "--waveform needs the distance of the target: the table has echo times only"
-        raise UsageError(message)
+        raise UsageError("--waveform needs the distance of the target: the table has echo times only")
     scene = scene_of(inputs.distance, inputs.temperature, inputs.relative_humidity, inputs.pressure)
     save_figure(waveform_figure(scene, row=row, seed=seed or 0), path, "emulate")
 

@@ -8,19 +8,9 @@ from rich.table import Table
 
 from echocal.cli import _made_by
 from echocal.cli._console import Console
-from echocal.cli._options import toml_value, written_by_us
-from echocal.cli._outputs import Force, Output, Report, check_outputs, write_report
-from echocal.cli._tables import (
-    AS_IT_IS,
-    Given,
-    Json,
-    Quiet,
-    SpreadsheetSafe,
-    from_stdin,
-    notes,
-    reading_options,
-    write_json,
-)
+from echocal.cli._options import from_stdin, toml_value, written_by_us
+from echocal.cli._outputs import Force, Output, Quiet, Report, check_outputs, write_report
+from echocal.cli._tables import AS_IT_IS, Given, Json, SpreadsheetSafe, notes, reading_options, write_json
 from echocal.errors import UsageError
 from echocal.observations.inspection import ColumnFacts, Inspection, inspect_log
 from echocal.outputs import csv_text, replace_text, spreadsheet_safe
@@ -56,8 +46,7 @@ def command(
         force=force,
     )
     if write is not None and write.suffix.lower() != ".csv":
-        message = f"--write {write} must end in .csv"
-        raise UsageError(message)
+        raise UsageError(f"--write {write} must end in .csv")
     name = log
     found = inspect_log(from_stdin(log), reading)
     stated = {name: value for name, value in reading.given().items() if name not in {"columns", "missing"}}

@@ -7,8 +7,8 @@ import typer
 
 from echocal.cli import _made_by
 from echocal.cli._console import Console
-from echocal.cli._outputs import Force, Output, check_outputs, refuse_picture
-from echocal.cli._tables import Json, Quiet, write_json
+from echocal.cli._outputs import Force, Output, Quiet, check_outputs, refuse_picture
+from echocal.cli._tables import Json, write_json
 from echocal.errors import UsageError
 from echocal.outputs import write_table
 
@@ -46,12 +46,10 @@ def command(
         _list()
         return
     if design is None:
-        message = "simulate needs a design: --design bench; --list shows all"
-        raise UsageError(message)
+        raise UsageError("simulate needs a design: --design bench; --list shows all")
     refuse_picture(waveform)
     if out is not None and out.suffix.lower() not in _ENDINGS:
-        message = f"{out} has the ending '{out.suffix}'; a table is .csv or .parquet"
-        raise UsageError(message)
+        raise UsageError(f"{out} has the ending '{out.suffix}'; a table is .csv or .parquet")
     check_outputs(
         Output("--out", out, lambda _: False),
         Output("--waveform", waveform, _made_by.picture("simulate")),
@@ -81,15 +79,13 @@ def _sizes(words: list[str]) -> dict[str, float | None]:
     for word in words:
         name, equals, size = word.partition("=")
         if name in sizes:
-            message = f"--cause {name} is given twice; give it once"
-            raise UsageError(message)
+            raise UsageError(f"--cause {name} is given twice; give it once")
         try:
             sizes[name] = float(size) if equals else None
         except ValueError:
-            message = (
+            raise UsageError(
                 f"--cause {word}: '{size}' is no number; write {name}=SIZE, or {name} alone for a usual size"
-            )
-            raise UsageError(message) from None
+            ) from None
     return sizes
 
 

@@ -7,7 +7,7 @@ import typer
 
 from echocal.cli import _made_by
 from echocal.cli._console import Console
-from echocal.cli._outputs import Force, Output, be_quiet, check_outputs, made_in
+from echocal.cli._outputs import Force, Output, Report, be_quiet, check_outputs, made_in
 from echocal.cli._progress import counted_bar
 from echocal.cli._tables import Json, write_json
 from echocal.errors import writing
@@ -30,9 +30,7 @@ def command(
         bool,
         typer.Option("--emulate", help="Ask why Tinkercad reads short: the experiment on an emulated board."),
     ] = False,
-    page: Annotated[
-        Path | None, typer.Option("--report", metavar="OUT.html", help="Write one page for a browser.")
-    ] = None,
+    page: Report = None,
     json: Json = None,
     quiet: Annotated[
         bool,

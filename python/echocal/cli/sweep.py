@@ -10,23 +10,18 @@ from rich.table import Table
 from echocal.cli import _made_by
 from echocal.cli._console import Console
 from echocal.cli._models import Effects, Law, model_of
-from echocal.cli._outputs import Force, Output, check_outputs
-from echocal.cli._tables import Json, Quiet, noted, write_json
+from echocal.cli._outputs import Force, Output, Quiet, check_outputs
+from echocal.cli._ranges import Distance, Humidity, Pressure, Temperature, given_ranges
+from echocal.cli._tables import Json, noted, write_json
 from echocal.errors import UsageError
-from echocal.sweep import Range, parse, parse_named, refuse_ending, sweep, write
+from echocal.sweep import parse_named, refuse_ending, sweep, write
 
 
 def command(
-    temperature: Annotated[
-        str | None, typer.Option(metavar="RANGE", help="Air temperature [degC]: 20, 0:50:2 or 0,20,50.")
-    ] = None,
-    distance: Annotated[
-        str | None, typer.Option(metavar="RANGE", help="True distance [m]; default 2.")
-    ] = None,
-    relative_humidity: Annotated[
-        str | None, typer.Option(metavar="RANGE", help="Relative humidity [1], 0 to 1.")
-    ] = None,
-    pressure: Annotated[str | None, typer.Option(metavar="RANGE", help="Air pressure [Pa].")] = None,
+    temperature: Temperature = None,
+    distance: Distance = None,
+    relative_humidity: Humidity = None,
+    pressure: Pressure = None,
     at: Annotated[
         list[str] | None,
         typer.Option(
@@ -56,13 +51,15 @@ def command(
         refuse_ending(out)
     if plot is not None:
         _refuse_plot(plot)
-    si = {
-        "temperature": temperature,
-        "distance": distance,
-        "relative_humidity": relative_humidity,
-        "pressure": pressure,
-    }
-    ranges = _ranges(si, at or [])
+    ranges = given_ranges(
+        temperature=temperature, distance=distance, relative_humidity=relative_humidity, pressure=pressure
+    )
+    for name, values in map(parse_named, at or []):
+        if name in ranges:
+            raise UsageError(f"{name.replace('_', ' ')} is given twice; give it once")
+        ranges[name] = values
+    if "temperature" not in ranges:
+        raise UsageError("sweep needs a temperature: --temperature 0:50:2")
     with noted(quiet):
         grid = sweep(model_of(law, model, effect), **ranges)
     if plot is not None:
@@ -74,26 +71,12 @@ def command(
         _summarize(grid)
 
 
-def _ranges(si: dict[str, str | None], named: list[str]) -> dict[str, Range]:
-    ranges: dict[str, Range] = {name: parse(name, text) for name, text in si.items() if text is not None}
-    for name, values in map(parse_named, named):
-        if name in ranges:
-            message = f"{name.replace('_', ' ')} is given twice; give it once"
-            raise UsageError(message)
-        ranges[name] = values
-    if "temperature" not in ranges:
-        message = "sweep needs a temperature: --temperature 0:50:2"
-        raise UsageError(message)
-    return ranges
-
-
 def _plot(grid: xr.Dataset, path: Path) -> None:
     from echocal.plots.draw import save_figure  # matplotlib takes a second to import
     from echocal.plots.sweep import sweep_figure
 
     if not grid.sizes:
-        message = "a single point makes no plot; give a range, such as --temperature 0:50:2"
-        raise UsageError(message)
+        raise UsageError("a single point makes no plot; give a range, such as --temperature 0:50:2")
     save_figure(sweep_figure(grid), path, "sweep")
 
 
@@ -102,8 +85,7 @@ def _refuse_plot(path: Path) -> None:
 
     if path.suffix.lower().removeprefix(".") not in FigureCanvasBase.get_supported_filetypes():
         told = f"the ending '{path.suffix}'" if path.suffix else "no ending"
-        message = f"{path} has {told}; a plot is .png, .svg or .pdf"
-        raise UsageError(message)
+        raise UsageError(f"{path} has {told}; a plot is .png, .svg or .pdf")
 
 
 def _summarize(grid: xr.Dataset) -> None:

@@ -10,18 +10,9 @@ from echocal.cli import _made_by
 from echocal.cli._complete import laws
 from echocal.cli._console import Console
 from echocal.cli._models import Uncertain, end, read_for
-from echocal.cli._outputs import Force, Output, Report, check_outputs, write_report
-from echocal.cli._tables import (
-    AS_IT_IS,
-    Given,
-    Json,
-    Quiet,
-    from_stdin,
-    noted,
-    read,
-    reading_options,
-    write_json,
-)
+from echocal.cli._options import from_stdin
+from echocal.cli._outputs import Force, Output, Quiet, Report, check_outputs, write_report
+from echocal.cli._tables import AS_IT_IS, Given, Json, noted, read, reading_options, write_json
 from echocal.diagnose.findings.sentences import quantity_text
 from echocal.errors import UsageError
 from echocal.model import Model
@@ -69,13 +60,13 @@ def command(
     )
     bound = maximum_permissible_error_mm * 1e-3
     if not bound > 0.0:
-        message = f"the maximum permissible error must be a positive length [mm], got {1e3 * bound:g}"
-        raise UsageError(message)
+        raise UsageError(f"the maximum permissible error must be a positive length [mm], got {1e3 * bound:g}")
     with noted(quiet):
         if subject.suffix == ".json":
             if uncertainties:
-                message = "--uncertainty belongs to measured errors; a simulated device has none to measure"
-                raise UsageError(message)
+                raise UsageError(
+                    "--uncertainty belongs to measured errors; a simulated device has none to measure"
+                )
             ranges = {
                 name: parse(name, text)
                 for name, text in (("temperature", temperature), ("distance", distance))

@@ -11,14 +11,9 @@ import typer
 
 from echocal._interrupt import after_imports
 from echocal.cli._console import visible
-from echocal.cli._models import Effects, Law, Uncertain, model_of
-from echocal.cli._outputs import Force, Output, check_outputs
-from echocal.cli._tables import (
-    AS_IT_IS,
-    Given,
-    Quiet,
-    reading_options,
-)
+from echocal.cli._models import Effects, Law, MarkRows, ModelFile, Uncertain, model_of
+from echocal.cli._outputs import Force, Output, Quiet, check_outputs
+from echocal.cli._tables import AS_IT_IS, Given, reading_options
 from echocal.errors import UsageError
 from echocal.observations.layout import Layout
 from echocal.watch import Event, Fleet, Reference, State, WatchSettings, models_of
@@ -40,9 +35,7 @@ def command(
             help="A growing file (CSV, TSV, JSON lines), a folder of them, - for stdin, or mqtt://HOST/TOPIC."
         ),
     ],
-    model: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="Model file; default: a law alone.")
-    ] = None,
+    model: ModelFile = None,
     models: Annotated[
         Path | None, typer.Option(metavar="DIR", help="One model file per sensor: DIR/ID.json; needs --by.")
     ] = None,
@@ -111,13 +104,7 @@ def command(
             metavar="URL", help="Broker of Home Assistant, mqtt://HOST: it finds the sensors there by itself."
         ),
     ] = None,
-    mark_rows: Annotated[
-        bool,
-        typer.Option(
-            "--mark-rows/--no-mark-rows",
-            help="Mark rows that are as those which the diagnosis of the model left out.",
-        ),
-    ] = True,
+    mark_rows: MarkRows = True,
     uncertainties: Uncertain = None,
     reading: Given = AS_IT_IS,
     json: Annotated[
@@ -221,8 +208,7 @@ def _refuse_same(*named: tuple[str, Any]) -> None:
             continue
         first = seen.setdefault(Path(str(path)).resolve(), option)
         if first != option:
-            message = f"{first} and {option} both name {path}; choose two names"
-            raise UsageError(message)
+            raise UsageError(f"{first} and {option} both name {path}; choose two names")
 
 
 def _refuse_contradictions(
@@ -235,8 +221,7 @@ def _refuse_contradictions(
     if out == "-" and json == "-":
         raise UsageError("-o - and --json - both write to stdout: give one of them a file")
     if out not in {None, "-"} and Path(str(out)).suffix.lower() not in {".csv", ".jsonl", ".ndjson"}:
-        message = f"cannot write {out} as rows come; endings: .csv, .jsonl, .ndjson"
-        raise UsageError(message)
+        raise UsageError(f"cannot write {out} as rows come; endings: .csv, .jsonl, .ndjson")
 
 
 def _check_files(
@@ -257,8 +242,7 @@ def _check_files(
     for option, path in outputs.items():
         inside = path not in {None, "-"} and file is not None and file.is_dir()
         if inside and file is not None and file.resolve() in Path(str(path)).resolve().parents:
-            message = f"{option} {path} lies in the folder that is watched; choose another place"
-            raise UsageError(message)
+            raise UsageError(f"{option} {path} lies in the folder that is watched; choose another place")
 
 
 def _source(source: str, kept: State, poll: float, client: str, layout: Layout, *, once: bool) -> Source:

@@ -73,5 +73,4 @@ def open_engine(name: str | Engine, workers: int = 1) -> Iterator[Engine]:
             with opening(rest, workers) as engine:
                 yield engine
             return
-    message = f"no engine '{name}'; engines: {', '.join(ENGINES)}"
-    raise UsageError(message)
+    raise UsageError(f"no engine '{name}'; engines: {', '.join(ENGINES)}")

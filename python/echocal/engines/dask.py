@@ -11,8 +11,6 @@ from echocal.engines.engine import Engine, Result, Task, Work
 from echocal.engines.worker import ONE_THREAD
 from echocal.errors import UsageError
 
-__all__ = ["local_cluster", "scheduler"]
-
 _CONNECT = 10.0
 """Time that a scheduler has to answer [s]; judgement."""
 
@@ -53,7 +51,7 @@ class _Dask:
         seen = time.monotonic()
         with self._whole_errors():
             while coming or running:
-                threads = self._threads()
+                threads = sum(self._client.nthreads().values())
                 while coming and len(running) < (1 if alone else max(2 * threads, 2)):
                     task = coming.popleft()
                     running[self._client.submit(work, task, pure=False)] = task
@@ -65,11 +63,10 @@ class _Dask:
                 if threads or done:
                     seen = time.monotonic()
                 elif time.monotonic() - seen > self._patience:
-                    message = (
+                    raise UsageError(
                         f"{self.name} has no workers any more; what is complete stays: run again when there "
                         "are workers"
                     )
-                    raise UsageError(message)
                 for future in done:
                     task = running.pop(future)
                     try:
@@ -86,40 +83,27 @@ class _Dask:
         try:
             yield
         except (CancelledError, OSError) as error:
-            message = f"{self.name} is gone ({error}); what is complete stays: run again when it is back"
-            raise UsageError(message) from None
-
-    def _threads(self) -> int:
-        return sum(self._client.nthreads().values())
+            raise UsageError(
+                f"{self.name} is gone ({error}); what is complete stays: run again when it is back"
+            ) from None
 
 
 @contextmanager
 def scheduler(address: str) -> Iterator[Engine]:
-    """Connect to a scheduler.
-
-    Raises `UsageError` if it does not answer, or has no worker.
-
-    Parameters
-    ----------
-    address : str
-        ``HOST:PORT``.
-    """
+    """Connect to a scheduler at HOST:PORT. Raises `UsageError` if it does not answer, or has no worker."""
     distributed = _distributed()
     name = f"Dask scheduler {address}"
     if not re.fullmatch(r".+:\d+", address):
-        message = f"dask://{address} is no address; it is dask://HOST:PORT"
-        raise UsageError(message)
+        raise UsageError(f"dask://{address} is no address; it is dask://HOST:PORT")
     try:
         client = distributed.Client(f"tcp://{address}", timeout=_CONNECT, set_as_default=False)
     except (OSError, ValueError) as error:
-        message = f"no {name} answers: {error}"
-        raise UsageError(message) from None
+        raise UsageError(f"no {name} answers: {error}") from None
     with client:
         try:
             client.wait_for_workers(1, timeout=_CONNECT)
         except TimeoutError:
-            message = f"{name} has no workers; start some: dask worker tcp://{address}"
-            raise UsageError(message) from None
+            raise UsageError(f"{name} has no workers; start some: dask worker tcp://{address}") from None
         yield _Dask(client, name)
 
 
@@ -143,6 +127,5 @@ def _distributed() -> Any:
     try:
         import distributed
     except ImportError:
-        message = "Dask is not installed; pip install 'echocal[dask]'"
-        raise UsageError(message) from None
+        raise UsageError("Dask is not installed; pip install 'echocal[dask]'") from None
     return distributed

@@ -3,38 +3,22 @@
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any, Protocol
 
-__all__ = ["Engine", "Here", "Result", "Task", "Work"]
-
 Task = Mapping[str, Any]
 Result = dict[str, Any]
 Work = Callable[[Task], Result]
 
 
 class Engine(Protocol):
-    """Runs tasks, each at least once.
+    """Runs tasks, each at least once."""
 
-    Attributes
-    ----------
-    name : str
-        As a message says it: "Dask scheduler tcp://10.0.0.5:8786".
-    inside : bool
-        Whether tasks run in this process, so that they can tell how far they are.
-    """
-
-    name: str
-    inside: bool
+    name: str  # as a message says it: "Dask scheduler tcp://10.0.0.5:8786"
+    inside: bool  # whether tasks run in this process, so that they can tell how far they are
 
     def run(self, work: Work, tasks: Sequence[Task]) -> Iterator[tuple[Task, Result | None]]:
         """Each task with its result, as they end; None of a task that keeps losing its worker.
 
-        What `work` raises ends the run.
-
-        Parameters
-        ----------
-        work : callable
-            A function of a module, which workers import.
-        tasks : sequence of mapping
-            Plain data.
+        What `work` raises ends the run. It is a function of a module, which workers import; tasks are plain
+        data.
         """
         ...
 
@@ -43,10 +27,10 @@ class Engine(Protocol):
 
         Empty where all workers are of this installation and of this machine.
         """
-        ...
+        return {}
 
 
-class Here:
+class Here(Engine):
     """The process itself."""
 
     name = "this process"
@@ -56,7 +40,3 @@ class Here:
         """Run tasks."""
         for task in tasks:
             yield task, work(task)
-
-    def ask(self, question: Callable[..., Any], *given: Any) -> dict[str, Any]:
-        """Nobody to ask."""
-        return {}

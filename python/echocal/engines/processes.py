@@ -2,13 +2,10 @@
 
 import os
 from collections import deque
-from collections.abc import Callable, Iterator, Sequence
-from typing import Any
+from collections.abc import Iterator, Sequence
 
-from echocal.engines.engine import Result, Task, Work
+from echocal.engines.engine import Engine, Result, Task, Work
 from echocal.engines.worker import Worker
-
-__all__ = ["Processes", "processors"]
 
 
 def processors() -> int:
@@ -19,14 +16,8 @@ def processors() -> int:
         return os.cpu_count() or 1
 
 
-class Processes:
-    """Several processes of this machine.
-
-    Parameters
-    ----------
-    count : int
-        Number of processes.
-    """
+class Processes(Engine):
+    """Several processes of this machine, which run the same files."""
 
     inside = False
 
@@ -45,10 +36,6 @@ class Processes:
         for alone in lost:
             for number, result in _run(work, {alone: tasks[alone]}, 1):
                 yield tasks[number], result
-
-    def ask(self, question: Callable[..., Any], *given: Any) -> dict[str, Any]:
-        """Nobody to ask: the processes run the same files."""
-        return {}
 
 
 def _run(work: Work, tasks: dict[int, Task], count: int) -> Iterator[tuple[int, Result | None]]:

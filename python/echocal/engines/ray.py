@@ -9,8 +9,6 @@ from echocal.engines.engine import Engine, Result, Task, Work
 from echocal.engines.worker import ONE_THREAD
 from echocal.errors import UsageError
 
-__all__ = ["local_cluster"]
-
 _RETRIES = 3
 """How often Ray begins a task again whose worker dies."""
 
@@ -42,10 +40,9 @@ class _Ray:
                 except ray.exceptions.RayTaskError as error:
                     raise error.cause from None
                 except ray.exceptions.RayError as error:
-                    message = (
+                    raise UsageError(
                         f"{self.name} is gone ({error}); what is complete stays: run again when it is back"
-                    )
-                    raise UsageError(message) from None
+                    ) from None
                 yield task, result
 
     def ask(self, question: Callable[..., Any], *given: Any) -> dict[str, Any]:
@@ -101,6 +98,5 @@ def _ray() -> Any:
     try:
         import ray
     except ImportError:
-        message = "Ray is not installed; pip install 'echocal[ray]'"
-        raise UsageError(message) from None
+        raise UsageError("Ray is not installed; pip install 'echocal[ray]'") from None
     return ray

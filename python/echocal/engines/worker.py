@@ -24,8 +24,6 @@ from echocal.model.folder import ModelFolder
 from echocal.model.plain import from_plain
 from echocal.places import exists, file_digest, place_of, stamp
 
-__all__ = ["ONE_THREAD", "Worker", "check_workers", "models_digest", "sees"]
-
 ONE_THREAD = {
     "ECHOCAL_NUM_THREADS": "1",
     "POLARS_MAX_THREADS": "1",
@@ -43,10 +41,7 @@ _SHOWN = 3
 class Worker:
     """A process that is started anew: a copy of this one might have locks that its threads held.
 
-    Parameters
-    ----------
-    work : callable
-        A function of a module.
+    Its work is a function of a module.
     """
 
     def __init__(self, work: Work) -> None:
@@ -161,14 +156,9 @@ def _environment(more: Mapping[str, str]) -> Iterator[None]:
 
 
 def check_workers(engine: Engine, question: Mapping[str, Any]) -> None:
-    """Ask every worker for its version, and for what it sees.
+    """Ask every worker for its version, and a question of `sees`.
 
     Raises `UsageError` if a worker would do other work than this process; the text names the worker.
-
-    Parameters
-    ----------
-    question : mapping
-        See `sees`.
     """
     wrong = {
         worker: f"has {found}" for worker, own in engine.ask(eval, _VERSION).items() if (found := _other(own))
@@ -183,12 +173,9 @@ def check_workers(engine: Engine, question: Mapping[str, Any]) -> None:
 def sees(question: Mapping[str, Any]) -> str:
     """What a worker does not see as the process that asks does; empty if all is the same.
 
-    Parameters
-    ----------
-    question : mapping
-        Plain data. ``files``: sizes of files [B] by their paths. ``written``: a path, and the SHA-256 of
-        what the process that asks has written there. ``models``: models as a job has them, and ``digest``:
-        theirs.
+    The question is plain data. ``files``: sizes of files [B] by their paths. ``written``: a path, and the
+    SHA-256 of what the process that asks has written there. ``models``: models as a job has them, and
+    ``digest``: theirs.
     """
     try:
         for path, size in question.get("files", {}).items():
@@ -225,5 +212,4 @@ def _other(version: Any) -> str:
 def _refuse(engine: Engine, wrong: Mapping[str, str], advice: str) -> None:
     shown = "; ".join(f"worker {worker} {what}" for worker, what in list(wrong.items())[:_SHOWN])
     more = f"; and {len(wrong) - _SHOWN} more" if len(wrong) > _SHOWN else ""
-    message = f"{engine.name}: {shown}{more}. Nothing was begun: {advice}"
-    raise UsageError(message)
+    raise UsageError(f"{engine.name}: {shown}{more}. Nothing was begun: {advice}")

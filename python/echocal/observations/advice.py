@@ -13,13 +13,12 @@ from echocal.observations.misspelled import meant as meant_by
 from echocal.observations.names import INSPECT, looks_like, unit_of
 from echocal.observations.plan import Assignment, Plan
 from echocal.observations.proposals import Proposal, propose, unfit
-from echocal.observations.units import FORMS, Form, split_unit
+from echocal.observations.units import FORMS, split_unit
 from echocal.observations.vocabulary import LENGTH, LEVELS, TOKEN
+from echocal.quantities import Form
 
 if TYPE_CHECKING:
     import pandas as pd
-
-__all__ = ["no_echo", "which_temperature"]
 
 _SAY = "Say which it is"
 
@@ -50,15 +49,12 @@ def which_temperature(table: pd.DataFrame, plan: Plan) -> dict[str, str]:
     forms = [form for form in FORMS if form.quantity == "temperature"]
     if meant := meant_by(plan.others, forms):
         return meant
-    proposed = propose(table, found_in(table), {name: own.name for name, own in _given(plan).items()})
+    given = {own.column: own.name for own in plan.assignments.values()}
+    proposed = propose(table, found_in(table), given)
     asked = [name for name in plan.others if "temperature" in proposed[name].reason]
     sure = [name for name in plan.others if proposed[name].request.startswith("temperature")]
     name = next(iter([*sure, *asked]), "")
     return {name or "NAME": (name and proposed[name].request) or "temperature_C"}
-
-
-def _given(plan: Plan) -> Mapping[str, Assignment]:
-    return {own.column: own for own in plan.assignments.values()}
 
 
 def _advice(table: pd.DataFrame, plan: Plan, echo: Collection[Form]) -> str:

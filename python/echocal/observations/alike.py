@@ -3,11 +3,8 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-__all__ = ["Line", "echo_speed", "follows", "is_set", "line_between", "resolution"]
-
-Column = NDArray[np.float64]
+from echocal.arrays import Column
 
 _FEWEST = 5  # rows
 _DIFFERENT = 4  # different values of each column: two points always lie on a line

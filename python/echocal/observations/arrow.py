@@ -9,8 +9,6 @@ import pandas as pd
 
 from echocal.errors import DataError, UsageError
 
-__all__ = ["Table", "arrow", "as_stored", "has_arrow", "read_parquet", "to_pandas"]
-
 Table: TypeAlias = Any
 """A ``pyarrow.Table``; the library has no types, and may be absent."""
 
@@ -25,8 +23,7 @@ def arrow(what: str = "Parquet") -> Any:
             import_module(f"pyarrow.{part}")
         return import_module("pyarrow")
     except ImportError:
-        message = f"{what} needs pyarrow: pip install 'echocal[batch]'"
-        raise UsageError(message) from None
+        raise UsageError(f"{what} needs pyarrow: pip install 'echocal[batch]'") from None
 
 
 def has_arrow() -> bool:
@@ -53,8 +50,7 @@ def read_parquet(path: Path) -> tuple[Table, str]:
             return table, facts.row_group(0).column(0).compression if filled else "SNAPPY"
     except (OSError, pa.ArrowException) as error:
         reason = next(iter(str(error).splitlines()), type(error).__name__)
-        message = f"{path} begins like Parquet and cannot be read: {reason}"
-        raise DataError(message) from None
+        raise DataError(f"{path} begins like Parquet and cannot be read: {reason}") from None
 
 
 def to_pandas(table: Table) -> pd.DataFrame:

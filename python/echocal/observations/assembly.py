@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from echocal.arrays import Column, Labels, Mask
 from echocal.errors import DataError
 from echocal.keywords import keyword
 from echocal.model import Model
@@ -25,10 +26,6 @@ from echocal.observations.plan import EVERYTHING, Assignment, Plan
 from echocal.observations.table import Observations
 from echocal.observations.units import FORMS
 from echocal.quantities import QUANTITIES
-
-__all__ = ["Assembly"]
-
-Column = NDArray[np.float64]
 
 
 @dataclass
@@ -68,9 +65,11 @@ class Assembly:
         named = {name: self._labels(name) for name in ("stand", "group", "order") if name in held}
         extra, texts = self._extra()
         extra = self._without_copies(extra, {**values, "echo_time": echo_time})
+        more = derived(conditions, named) if self.part is None else self.part.derived
+        hour = {} if self.time is None else {"hour_angle": clock.hour_angle(self.time, self.time_zone)}
         return Observations(
             echo_time=echo_time,
-            conditions={**conditions, **self._derived(conditions, named), **self._hour()},
+            conditions={**conditions, **more, **hour},
             reference_distance=values.get("reference_distance"),
             unusable=self._unusable(),
             reading=values.get("reading"),
@@ -124,7 +123,11 @@ class Assembly:
             self._mark(unset, f"{source.column} before 1990", source)
             self._check_filled(np.where(outside | unset, np.inf, values), source)
             if self.part is None:
-                self.notes += checks.outside_years(given, outside, source)
+                for first in np.flatnonzero(outside)[:1]:
+                    self.notes.append(
+                        f"{source.column} has no time of the years {clock.YEARS[0]} to {clock.YEARS[1]} in "
+                        f"{rows(outside.sum())}, first at {row(first)}: {given.iloc[first]}"
+                    )
                 self.notes += self._order(values, source)
             return values
         checks.refuse_truth(self.table[source.column], source)
@@ -133,7 +136,8 @@ class Assembly:
         seen = checks.ends(values)
         wrong, notes = checks.impossible(values, seen, source)
         if self.part is None:
-            self._refuse_other_unit(values, seen, source)
+            trusted = [name for name in self.trusted if name != EVERYTHING]
+            self._refuse_or_keep(source, checks.refuse_other_unit, values, seen, source, trusted)
             self.notes += [*checks.suspected_codes(values, seen, source), *notes]
         else:
             self.part.count(source, values, seen)
@@ -149,7 +153,7 @@ class Assembly:
 
     def _order(self, values: Column, source: Assignment) -> list[str]:
         bursts = bool({"group", "order"} & set(self.plan.assignments))
-        return [*checks.newest_first(values, source), *clock.said_of_order(values, source, bursts=bursts)]
+        return clock.said_of_order(values, source, bursts=bursts)
 
     def _numbers(self, column: str, source: Assignment | None = None) -> Column:
         """Numbers of a column; a few texts in it make their rows unusable."""
@@ -183,16 +187,6 @@ class Assembly:
             return values - self.part.start
         return values - np.min(values, where=np.isfinite(values), initial=np.inf)
 
-    def _derived(
-        self, conditions: dict[str, Column], named: dict[str, NDArray[np.int64]]
-    ) -> Mapping[str, Column]:
-        return derived(conditions, named) if self.part is None else self.part.derived
-
-    def _refuse_other_unit(self, values: Column, seen: tuple[float, float], source: Assignment) -> None:
-        """Refuse a column in another unit."""
-        trusted = [name for name in self.trusted if name != EVERYTHING]
-        self._refuse_or_keep(source, checks.refuse_other_unit, values, seen, source, trusted)
-
     def _refuse_or_keep(self, source: Assignment, check: Callable[..., None], *given: object) -> None:
         """Refuse a column; where everything is trusted, keep the sentence."""
         try:
@@ -206,9 +200,6 @@ class Assembly:
         reasons = np.array(self.reasons)
         return reasons[self.reason] if len(reasons) > 1 else np.full(len(self.reason), reasons[0])
 
-    def _hour(self) -> dict[str, Column]:
-        return {} if self.time is None else {"hour_angle": clock.hour_angle(self.time, self.time_zone)}
-
     def _check_filled(self, values: Column, source: Assignment) -> None:
         if self.part is None:
             checks.refuse_without_values(values, source, self.trusted)
@@ -218,13 +209,13 @@ class Assembly:
             first = row(np.flatnonzero(empty)[0])
             self.notes.append(f"{source.column} has no value in {rows(empty.sum())}, first at {first}")
 
-    def _mark(self, where: NDArray[np.bool_], reason: str, source: Assignment) -> None:
+    def _mark(self, where: Mask, reason: str, source: Assignment) -> None:
         """Give rows a reason code; the first reason stays."""
         if source.form.quantity == "reading" and "echo_time" in self.plan.assignments:
             return  # the echo time is there without it
         self._give(where, reason)
 
-    def _give(self, where: NDArray[np.bool_], reason: str) -> None:
+    def _give(self, where: Mask, reason: str) -> None:
         rows = np.flatnonzero(where)
         if len(rows):
             self.reasons.append(reason)
@@ -260,12 +251,12 @@ class Assembly:
         """How to say which column is the temperature."""
         return which_temperature(self.table, self.plan)
 
-    def _labels(self, name: str) -> NDArray[np.int64]:
+    def _labels(self, name: str) -> Labels:
         column = self.plan.assignments[name].column
         values = self.table[column]
         return labels.positions(values, column) if name == "order" else labels.codes(values, column)
 
-    def _extra(self) -> tuple[dict[str, Column], dict[str, NDArray[np.int64]]]:
+    def _extra(self) -> tuple[dict[str, Column], dict[str, Labels]]:
         """Other columns that hold numbers, and the codes of those that hold few different texts."""
         found, texts = {}, {}
         for column in (*self.plan.others, *self.plan.several):
@@ -341,6 +332,5 @@ class Assembly:
             return
         listed = ", ".join(f"{count} {reason}" for reason, count in sorted(given.items()) if count)
         if total == len(self.table) and EVERYTHING not in self.trusted:
-            message = f"no row can be used: {listed}. {'; '.join(self.notes)}"
-            raise DataError(message)
+            raise DataError(f"no row can be used: {listed}. {'; '.join(self.notes)}")
         self.notes.append(f"{total} of {rows(len(self.table))} cannot be used: {listed}")

@@ -17,8 +17,6 @@ from echocal.observations.table import Observations
 from echocal.observations.units import NAMES
 from echocal.quantities import QUANTITIES
 
-__all__ = ["ALSO", "conditions_at", "parsed", "sentences", "shifted", "uncertain", "uncertainties_of"]
-
 ALSO = {"temperature": "temperature_C", "humidity": "humidity_percent", "pressure": "pressure_hPa"}
 """Names without a unit: degC, percent, hPa."""
 
@@ -42,14 +40,14 @@ def parsed(texts: Mapping[str, Any]) -> dict[str, tuple[str, float, float]]:
         column = ALSO.get(name, name)
         if column not in NAMES or NAMES[column][0].quantity not in QUANTITIES:
             known = [*ALSO, *(own for own, (form, _) in NAMES.items() if form.quantity in QUANTITIES)]
-            message = f"{keyword('at', {name: given})}: no such condition{among(name, known, 'there are')}"
-            raise UsageError(message)
+            raise UsageError(
+                f"{keyword('at', {name: given})}: no such condition{among(name, known, 'there are')}"
+            )
         match = _VALUE.fullmatch(str(given))
         if match is None:
-            message = (
+            raise UsageError(
                 f"{keyword('at', {name: given})}: not a number; give a value, or with its uncertainty: 20+-2"
             )
-            raise UsageError(message)
         found[NAMES[column][0].quantity] = (column, float(match["value"]), float(match["u"] or 0.0))
     return found
 
@@ -65,16 +63,14 @@ def conditions_at(given: Mapping[str, Any] | None, table: pd.DataFrame) -> dict[
         for name in table.columns:
             if name in NAMES and (found := by_name(name)) and found[0].quantity == quantity:
                 one = keyword("at", {quantity: value})
-                message = f"{one}: the table has it in column '{name}'; leave one out"
-                raise UsageError(message)
+                raise UsageError(f"{one}: the table has it in column '{name}'; leave one out")
         low, high = form.physical
         unit = form.units[symbol]
         if not low <= unit.to_si(value) <= high:
-            message = (
+            raise UsageError(
                 f"{keyword('at', {quantity: value})} is outside of {unit.from_si(low):g} to "
                 f"{unit.from_si(high):g}"
             )
-            raise UsageError(message)
         table[column] = value
         stated[quantity] = (unit.to_si(value), unit.to_si(value + uncertainty) - unit.to_si(value))
     return stated
@@ -94,33 +90,14 @@ def sentences(stated: Mapping[str, tuple[float, float]]) -> list[str]:
     """What a result must say of conditions that nobody recorded."""
     said = []
     for quantity, (value, uncertainty) in stated.items():
-        shown = _shown(quantity, value, uncertainty)
-        if not uncertainty:
-            said.append(
-                f"the {_words(quantity)} is stated for all rows, not recorded: {shown}, no uncertainty given"
-            )
-            continue
-        part = (
-            f"; this leaves {_PER_KELVIN * uncertainty:.2%} of each distance open"
-            if quantity == "temperature"
-            else ""
-        )
-        said.append(f"the {_words(quantity)} is stated for all rows, not recorded: {shown}{part}")
+        known = QUANTITIES[quantity].shown
+        spread = f" +- {uncertainty * known.factor:g}" if uncertainty else ""
+        more = "" if uncertainty else ", no uncertainty given"
+        if uncertainty and quantity == "temperature":
+            more = f"; this leaves {_PER_KELVIN * uncertainty:.2%} of each distance open"
+        shown = f"{value * known.factor:g}{spread} {known.unit}".rstrip()
+        said.append(f"the {quantity.replace('_', ' ')} is stated for all rows, not recorded: {shown}{more}")
     return said
-
-
-def _words(quantity: str) -> str:
-    return quantity.replace("_", " ")
-
-
-def _shown(quantity: str, value: float, uncertainty: float) -> str:
-    factor, unit = {
-        "temperature": (1.0, "degC"),
-        "relative_humidity": (100.0, "%"),
-        "pressure": (0.01, "hPa"),
-    }.get(quantity, (1.0, QUANTITIES[quantity].unit))
-    spread = f" +- {uncertainty * factor:g}" if uncertainty else ""
-    return f"{value * factor:g}{spread} {unit}"
 
 
 def uncertain(observations: Observations) -> dict[str, float]:

@@ -7,16 +7,12 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from echocal.arrays import Column
 from echocal.keywords import command_line
 from echocal.observations.alike import echo_speed, line_between
 from echocal.observations.units import NAMES
 from echocal.observations.vocabulary import TOKEN
-
-__all__ = ["AGREES", "Guess", "guesses", "usual"]
-
-Column = NDArray[np.float64]
 
 _RANGES: dict[str, tuple[tuple[str, float, float], ...]] = {
     "reading": (("m", 0.02, 10.0), ("cm", 10.0, 600.0), ("mm", 600.0, 12000.0)),

@@ -7,34 +7,20 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
+from echocal.arrays import Column, Mask
 from echocal.errors import DataError
 from echocal.keywords import keyword
-from echocal.observations.clock import YEARS
 from echocal.observations.fields import row, rows
 from echocal.observations.plan import EVERYTHING, Assignment
 from echocal.observations.quantiles import median as middle
 from echocal.observations.table import Observations
-from echocal.observations.units import FORMS, NAMES, Form, Unit
-from echocal.quantities import QUANTITIES
-
-__all__ = [
-    "CODES",
-    "ends",
-    "impossible",
-    "newest_first",
-    "outside_years",
-    "refuse_other_unit",
-    "refuse_truth",
-]
-__all__ += ["refuse_without_values", "si_unit", "still_refused", "suspected_codes"]
+from echocal.observations.units import FORMS, NAMES
+from echocal.quantities import QUANTITIES, Form, Unit
 
 CODES = (-9999.0, -999.0, 999.0, 9999.0, 32767.0, 65535.0, 99999.0)
 _REPEATED = 0.5  # of the rows: a value that is no measurement
 
-Column = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 Ends = tuple[float, float]
 
 
@@ -47,11 +33,10 @@ def refuse_without_values(values: Column, source: Assignment, trusted: Collectio
     if EVERYTHING in trusted and source.form.quantity in QUANTITIES and len(values):
         return
     if not len(values) or (np.isnan(values[0]) and np.isnan(values).all()):
-        message = (
+        raise DataError(
             f"column '{column}' has no value in any of {len(values)} rows; "
             f"if it is not needed: {keyword('columns', {column: 'ignore'})}"
         )
-        raise DataError(message)
 
 
 def refuse_truth(values: pd.Series[Any], assignment: Assignment) -> None:
@@ -61,60 +46,18 @@ def refuse_truth(values: pd.Series[Any], assignment: Assignment) -> None:
     """
     if pd.api.types.is_bool_dtype(values):
         column, what = assignment.column, assignment.form.role.replace("_", " ")
-        message = (
+        raise DataError(
             f"column '{column}' holds true and false, and a {what} is a number; "
             f"if it is something else: {keyword('columns', {column: 'extra'})} (or "
             f"{keyword('columns', {column: 'ignore'})})"
         )
-        raise DataError(message)
-
-
-def newest_first(elapsed: Column, assignment: Assignment) -> list[str]:
-    """A sentence where times fall from row to row: what depends on the order then looks the wrong way.
-
-    Parameters
-    ----------
-    elapsed : ndarray, shape (n,)
-        Time of each row [s].
-    """
-    finite = np.isfinite(elapsed)
-    steps = np.diff(elapsed if finite.all() else elapsed[finite])
-    if not len(steps) or steps.min() >= 0.0:
-        return []
-    falling, rising = int((steps < 0.0).sum()), int((steps > 0.0).sum())
-    if falling <= rising:
-        return []
-    return [
-        f"{assignment.column} falls in {falling} of {rows(len(steps))}, as where the newest row comes first; "
-        "rows stay in their order, and what depends on it (rows that follow each other) is better told "
-        "of a table sorted by time"
-    ]
-
-
-def outside_years(given: pd.Series[Any], outside: Mask, assignment: Assignment) -> list[str]:
-    """A sentence on times that no sensor was read at."""
-    if not outside.any():
-        return []
-    first = int(np.flatnonzero(outside)[0])
-    return [
-        f"{assignment.column} has no time of the years {YEARS[0]} to {YEARS[1]} in {rows(outside.sum())}, "
-        f"first at {row(first)}: {given.iloc[first]}"
-    ]
 
 
 def refuse_other_unit(values: Column, seen: Ends, assignment: Assignment, trusted: Collection[str]) -> None:
-    """Refuse a column that is in another unit, by the look of its median.
+    """Refuse a column that is in another unit than its name says, by the look of its median.
 
-    Raises `DataError` if the median cannot be, or is ordinary only in another unit.
-
-    Parameters
-    ----------
-    values : ndarray, shape (n,)
-        Values in the unit that the column's name says.
-    seen : (float, float)
-        Their `ends`.
-    trusted : collection of str
-        Columns that the user declares to be right.
+    `seen` are the `ends` of the values; columns that are trusted are right by the user's word. Raises
+    `DataError` if the median cannot be, or is ordinary only in another unit.
     """
     column, form, unit = assignment.column, assignment.form, assignment.unit
     usual = form.typical or form.physical
@@ -141,17 +84,18 @@ def refuse_other_unit(values: Column, seen: Ends, assignment: Assignment, truste
             else f"values in another unit, or in tenths, must be converted before; without it: "
             f"{keyword('columns', {column: 'ignore'})}"
         )
-        message = f"column '{column}' has a median of {median:g}, outside {low:g} .. {high:g}; {advice}"
-        raise DataError(message)
+        raise DataError(
+            f"column '{column}' has a median of {median:g}, outside {low:g} .. {high:g}; {advice}"
+        )
     said = {assignment.name: unit.to_si(median), **others}
-    symbol = si_unit(form.quantity)
-    read_as = ", ".join(f"as {name} {value:.4g} {symbol}".rstrip() for name, value in said.items())
-    message = (
+    symbol = {"echo_time": "s", "reading": "m", "reference_distance": "m"}.get(form.quantity)
+    symbol = QUANTITIES[form.quantity].unit if symbol is None else symbol
+    read_as = ", ".join(f"as {name} {value:.4g} {symbol}".removesuffix(" 1") for name, value in said.items())
+    raise DataError(
         f"column '{column}' has a median of {median:g}: {read_as}. "
         f"Say which it is: {keyword('columns', {column: next(iter(others))})} (or rename it), "
         f"or if it is right as it stands: {keyword('trust', [column])}"
     )
-    raise DataError(message)
 
 
 def still_refused(observations: Observations) -> str:
@@ -182,12 +126,7 @@ def still_refused(observations: Observations) -> str:
 def impossible(values: Column, seen: Ends, assignment: Assignment) -> tuple[Mask, list[str]]:
     """Rows whose value cannot be, and a sentence on each kind of them.
 
-    Parameters
-    ----------
-    values : ndarray, shape (n,)
-        Values in the unit that the column's name says.
-    seen : (float, float)
-        Their `ends`.
+    Values are in the unit that the column's name says; `seen` are their `ends`.
     """
     form = assignment.form
     low, high = sorted(assignment.unit.from_si(bound) for bound in form.physical)
@@ -222,13 +161,6 @@ def suspected_codes(values: Column, seen: Ends, assignment: Assignment) -> list[
         for code, count in found.items()
         if count and not assignment.form.label and not (count == 1 and least < code < most)
     ]
-
-
-def si_unit(quantity: str) -> str:
-    """Unit in which a quantity is kept; empty for a pure number."""
-    own = {"echo_time": "s", "reading": "m", "reference_distance": "m"}
-    unit = own.get(quantity) or QUANTITIES[quantity].unit
-    return "" if unit == "1" else unit
 
 
 def ends(values: Column) -> Ends:

@@ -11,14 +11,13 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from echocal.arrays import Column, Mask
 from echocal.errors import DataError, UsageError
 from echocal.keywords import keyword
 from echocal.observations.dates import as_iso, by_format
 from echocal.observations.fields import fields, row, rows, shown, span
 from echocal.observations.numbers import NO_NUMBER
 from echocal.observations.plan import Assignment
-
-__all__ = ["YEARS", "Instants", "elapsed", "hour_angle", "instants", "zone_of"]
 
 Instants = NDArray[np.datetime64]
 
@@ -30,8 +29,6 @@ _AUTUMN = 30 * 86400.0  # s: two clock changes are further apart
 
 YEARS = (1678, 2261)
 """First and last year that 64 bits of nanoseconds hold as a whole; beyond, they would wrap around."""
-Column = NDArray[np.float64]
-
 _FIRST = np.datetime64("1990-01-01", "ns")  # clocks that were not set begin in 1970 or 1980
 _SURE = np.datetime64("2000-01-01", "ns")
 
@@ -50,7 +47,7 @@ _USUAL = (2e-3, 7 * 86400.0)  # s: steps in another unit that are offered
 
 def instants(
     values: pd.Series[Any], column: str, time_zone: str, time_format: str | None = None
-) -> tuple[Instants, NDArray[np.bool_]]:
+) -> tuple[Instants, Mask]:
     """Instants in UTC of a column of texts or of datetimes, and which lie outside `YEARS`.
 
     An instant is NaT where the field is empty or outside. Raises `DataError` if a field is no time, or a
@@ -68,11 +65,10 @@ def instants(
         and pd.api.types.is_numeric_dtype(values)
         and not pd.api.types.is_bool_dtype(values)
     ):
-        message = (
+        raise DataError(
             f"column '{column}' holds numbers, not ISO 8601 times; rename it to its unit: "
             "time_s, time_ms, time_us, time_min or time_h; hours and minutes as 1345, beside a date: HHMM"
         )
-        raise DataError(message)
     zone = _zone(time_zone)
     far = np.zeros(len(values), dtype=np.bool_)
     times = (
@@ -100,7 +96,7 @@ def zone_of(column: str, time_zone: str) -> str:
     return f"{said['sign']}{int(said['hours']):02d}:{said['minutes'] or '00'}"
 
 
-def elapsed(times: Instants, start: object = None) -> NDArray[np.float64]:
+def elapsed(times: Instants, start: object = None) -> Column:
     """Seconds since the earliest time, or since a given instant in UTC; NaN where there is none."""
     if not isinstance(start, np.datetime64):
         known = times[~np.isnat(times)]
@@ -108,7 +104,7 @@ def elapsed(times: Instants, start: object = None) -> NDArray[np.float64]:
     return np.asarray((times - start) / np.timedelta64(1, "s"), dtype=np.float64)
 
 
-def hour_angle(times: Instants, time_zone: str) -> NDArray[np.float64]:
+def hour_angle(times: Instants, time_zone: str) -> Column:
     """Hour angle of the local clock at each instant, 0 at noon, within half a turn [rad]; NaN without time.
 
     Examples
@@ -132,15 +128,12 @@ def _zone(name: str) -> tzinfo:
     try:
         return ZoneInfo(name)
     except (ZoneInfoNotFoundError, TypeError, ValueError, OSError):
-        message = (
+        raise UsageError(
             f"unknown time zone '{name}'; IANA names are like UTC or Europe/Copenhagen, offsets like +02:00"
-        )
-        raise UsageError(message) from None
+        ) from None
 
 
-def _parse(
-    values: pd.Series[Any], column: str, far: NDArray[np.bool_], time_format: str | None
-) -> pd.Series[Any]:
+def _parse(values: pd.Series[Any], column: str, far: Mask, time_format: str | None) -> pd.Series[Any]:
     """Times of texts; marks in `far` those that the resolution of the others cannot hold."""
     texts = fields(values, column)
     texts = texts.where(~texts.isin(NO_NUMBER), "")
@@ -152,8 +145,9 @@ def _parse(
     aware = bool(offset.any())
     if aware and not offset[filled].all():
         first = int(np.flatnonzero(filled & ~offset)[0])
-        message = f"column '{column}' has times with and without an offset, first without at {row(first)}"
-        raise DataError(message)
+        raise DataError(
+            f"column '{column}' has times with and without an offset, first without at {row(first)}"
+        )
     times = _of_texts(texts.where(filled), aware)
     wrong = times.isna() & filled
     if wrong.any():
@@ -172,12 +166,11 @@ def _of_texts(texts: pd.Series[Any], aware: bool) -> pd.Series[Any]:
 
 def _refuse_others(texts: pd.Series[Any], wrong: NDArray[np.intp], column: str) -> None:
     if 10 * len(wrong) > len(texts):
-        message = (
+        raise DataError(
             f"column '{column}' has {len(wrong)} of {len(texts)} rows that are not ISO 8601 "
             f"(2024-05-31T13:45:00), first at {row(wrong[0])}: '{shown(texts.iloc[wrong[0]])}'; "
             f"written otherwise: {keyword('time_format', '%d.%m.%Y %H:%M:%S')}"
         )
-        raise DataError(message)
 
 
 def _localize(times: pd.Series[Any], column: str, zone: tzinfo) -> pd.Series[Any]:
@@ -189,16 +182,15 @@ def _localize(times: pd.Series[Any], column: str, zone: tzinfo) -> pd.Series[Any
             local = times.dt.tz_localize(zone, ambiguous=summer, nonexistent="NaT")
             wrong = np.flatnonzero(local.isna() & times.notna())
     if len(wrong):
-        message = (
+        raise DataError(
             f"column '{column}' has {len(wrong)} local times that a clock change skips or repeats, "
             f"first at {row(wrong[0])}: {times.iloc[wrong[0]]}; a logger that keeps one offset all year "
             f"needs it as its zone: {keyword('time_zone', 'Etc/GMT-1')} is UTC+1"
         )
-        raise DataError(message)
     return local
 
 
-def _summer(times: pd.Series[Any], twice: NDArray[np.intp]) -> NDArray[np.bool_] | None:
+def _summer(times: pd.Series[Any], twice: NDArray[np.intp]) -> Mask | None:
     """Which of the local times that occur twice are in summer time, by the order of the rows.
 
     The hour comes a second time after a row. That row is the one after which the steps between rows are the
@@ -222,7 +214,7 @@ def _summer(times: pd.Series[Any], twice: NDArray[np.intp]) -> NDArray[np.bool_]
     return summer
 
 
-def not_set(times: Instants) -> NDArray[np.bool_]:
+def not_set(times: Instants) -> Mask:
     """Rows before 1990 in a table most of whose rows are from 2000 or later: the clock was not set yet.
 
     Examples
@@ -238,20 +230,21 @@ def not_set(times: Instants) -> NDArray[np.bool_]:
 
 
 def said_of_order(elapsed: Column, source: Assignment, *, bursts: bool) -> list[str]:
-    """Sentences on times that go back, and on rows at the time of the row before.
+    """Sentences on times that go back, in most rows or in some, and on rows at the time of the row before.
 
-    Parameters
-    ----------
-    elapsed : ndarray, shape (n,)
-        Time of each row [s].
-    bursts : bool
-        Whether rows belong to bursts, which share a time.
+    The times are in seconds. Rows that belong to bursts share a time.
     """
     known = np.flatnonzero(np.isfinite(elapsed))
     steps = np.diff(elapsed[known])
     falling, still = np.flatnonzero(steps < 0.0), np.flatnonzero(steps == 0.0)
     said = []
-    if 0 < len(falling) <= int((steps > 0.0).sum()):
+    if len(falling) > int((steps > 0.0).sum()):
+        said.append(
+            f"{source.column} falls in {len(falling)} of {rows(len(steps))}, as where the newest row comes "
+            "first; rows stay in their order, and what depends on it (rows that follow each other) is better "
+            "told of a table sorted by time"
+        )
+    elif len(falling):
         first = falling[0]
         said.append(
             f"{source.column} goes back in {rows(len(falling))}, first at {row(known[first + 1])}, by "
@@ -270,13 +263,8 @@ def refuse_other_clock(seconds: Column, source: Assignment) -> None:
     """Refuse a count of time whose steps make sense only in another unit.
 
     A program that counts milliseconds or microseconds makes whole numbers with nearly even steps. Taken for
-    seconds, they are hours that are no multiples of half an hour, an hour or a day. Raises `DataError` if
-    they are.
-
-    Parameters
-    ----------
-    seconds : ndarray, shape (n,)
-        Times in the unit that the column's name says [s].
+    seconds, they are hours that are no multiples of half an hour, an hour or a day. The times are those in
+    the unit that the column's name says. Raises `DataError` if they are such.
     """
     known = seconds[np.isfinite(seconds)]
     steps = np.abs(np.diff(known))
@@ -298,11 +286,10 @@ def refuse_other_clock(seconds: Column, source: Assignment) -> None:
         f"as {name} a row each {span(time)}" for name, time in {source.name: step, **others}.items()
     )
     ways = [keyword("columns", {source.column: name}) for name in others]
-    message = (
+    raise DataError(
         f"column '{source.column}' has usual steps of {step / own:.6g}: {told}. Say which it is: "
         f"{', '.join([*ways, 'or if it is right as it stands'])}: {keyword('trust', [source.column])}"
     )
-    raise DataError(message)
 
 
 def _is_usual(steps: Column, unit: float) -> bool:

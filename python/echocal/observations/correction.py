@@ -3,16 +3,13 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from echocal.arrays import Column
 from echocal.errors import DataError
 from echocal.keywords import keyword
 from echocal.model import Model, Smooth
 from echocal.model.indicated_speed import indication_law
 from echocal.model.shape import DISTANCE
 from echocal.observations.table import Observations
-
-__all__ = ["base_indication", "corrected_distance", "outside_smooth"]
-
-Column = NDArray[np.float64]
 
 
 def base_indication(observations: Observations, law: str) -> Column:
@@ -29,13 +26,9 @@ def base_indication(observations: Observations, law: str) -> Column:
 def corrected_distance(observations: Observations, model: Model) -> Column:
     """Distance [m], shape (n,), by a model; NaN in unusable rows.
 
-    Effects of the firmware and of the indication count too: the model inverts the whole chain
-    from the indication of its own law, as it was fitted.
-
-    Raises
-    ------
-    DataError
-        If the model needs a condition that the table does not have.
+    Effects of the firmware and of the indication count too: the model inverts the whole chain from the
+    indication of its own law, as it was fitted. Raises `DataError` if the model needs a condition that the
+    table does not have.
     """
     indication = base_indication(observations, indication_law(model))
     try:
@@ -44,8 +37,9 @@ def corrected_distance(observations: Observations, model: Model) -> Column:
         )
     except DataError as error:
         out = keyword("columns", {"NAME": "ignore"})
-        message = f"{error}; map a column with {keyword('columns')}, or leave one out with {out}"
-        raise DataError(message) from None
+        raise DataError(
+            f"{error}; map a column with {keyword('columns')}, or leave one out with {out}"
+        ) from None
     return distance
 
 

@@ -7,13 +7,11 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
+from echocal.arrays import Column
 from echocal.errors import DataError, UsageError
 from echocal.keywords import keyword
 from echocal.observations.fields import row, shown
-
-__all__ = ["CLOCK", "DAY", "MONTH", "as_iso", "by_format", "unwrapped_clock"]
 
 DAY = re.compile(
     r"(?:(?P<y1>\d{4})[-/.](?P<m1>\d{1,2})[-/.](?P<d1>\d{1,2})"
@@ -32,38 +30,28 @@ _CENTURY = 2000
 def by_format(texts: pd.Series[Any], column: str, time_format: str) -> pd.Series[Any]:
     """Times by a format of `datetime.strptime`.
 
-    Raises
-    ------
-    DataError
-        If a field is not written so.
-    UsageError
-        If the format is none.
+    Raises `DataError` if a field is not written so, and `UsageError` if the format is none.
     """
     filled = texts != ""
     try:
         times: pd.Series[Any] = pd.to_datetime(texts.where(filled), format=time_format, errors="coerce")
     except (ValueError, TypeError) as error:
-        message = (
+        raise UsageError(
             f'{keyword("time_format", time_format)}: no format of times: {error}; like "%d.%m.%Y %H:%M:%S"'
-        )
-        raise UsageError(message) from None
+        ) from None
     wrong = np.flatnonzero(times.isna() & filled)
     if 2 * len(wrong) > filled.sum():
-        message = (
+        raise DataError(
             f"column '{column}' has {len(wrong)} of {len(texts)} rows that are not written as "
             f"\"{time_format}\", first at {row(wrong[0])}: '{shown(texts.iloc[wrong[0]])}'"
         )
-        raise DataError(message)
     return times
 
 
 def as_iso(texts: pd.Series[Any], column: str) -> pd.Series[Any]:
     """Texts in ISO 8601 where all are dates in one other way of writing; else as they are.
 
-    Raises
-    ------
-    DataError
-        If day and month cannot be told apart.
+    Raises `DataError` if day and month cannot be told apart.
 
     Examples
     --------
@@ -93,7 +81,7 @@ def as_iso(texts: pd.Series[Any], column: str) -> pd.Series[Any]:
     return pd.Series(iso, index=filled.index, dtype=object).reindex(texts.index, fill_value="")
 
 
-def unwrapped_clock(texts: pd.Series[Any]) -> NDArray[np.float64]:
+def unwrapped_clock(texts: pd.Series[Any]) -> Column:
     """Seconds from the first midnight of times of day; a clock that falls back by hours has passed midnight.
 
     Examples

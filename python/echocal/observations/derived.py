@@ -3,31 +3,19 @@
 from collections.abc import Iterator, Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
-__all__ = ["derived"]
-
-Column = NDArray[np.float64]
+from echocal.arrays import Column, Labels
 
 _WINDOW = 30.0  # s: what a rate is taken over at least, so that a thermometer's steps are no rates
 _LATER = 5  # rows
 _TREND = 10  # rows at the end of a table that say how it goes on
 
 
-def derived(conditions: Mapping[str, Column], labels: Mapping[str, NDArray[np.int64]]) -> dict[str, Column]:
+def derived(conditions: Mapping[str, Column], labels: Mapping[str, Labels]) -> dict[str, Column]:
     """Derive rates of change, later temperatures and positions in bursts, where the table allows it.
 
-    Parameters
-    ----------
-    conditions : mapping of str to ndarray, shape (n,)
-        Recorded influence quantities.
-    labels : mapping of str to ndarray, shape (n,)
-        Codes of ``group`` and values of ``order``.
-
-    Returns
-    -------
-    dict of str to ndarray, shape (n,)
-        By name of the influence quantity; NaN where a row lacks what it is derived from.
+    From recorded influence quantities, codes of ``group`` and values of ``order``. By name of the influence
+    quantity; NaN where a row lacks what it is derived from.
 
     Examples
     --------
@@ -101,7 +89,7 @@ def _later(elapsed: Column, values: Column) -> Iterator[tuple[int, Column]]:
         yield count, moved
 
 
-def _position(labels: Mapping[str, NDArray[np.int64]]) -> Column:
+def _position(labels: Mapping[str, Labels]) -> Column:
     """Position in the burst, 0 for the first row: as recorded, else counted from each change of group."""
     order = labels.get("order")
     if order is None:

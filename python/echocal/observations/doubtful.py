@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pandas as pd
@@ -16,40 +16,22 @@ if TYPE_CHECKING:
 
     import pandas as pd
 
-__all__ = ["doubtful_in", "note_of", "sensors_in"]
-
 _GAPS = 0.1  # of the rows with a reading: they would be lost for a quantity that is not needed
 _MOST = 0.5  # of them, for the temperature, which nearly every law needs
 _STEPS = (1e-3, 7 * 86400.0)  # s: between two rows of a log
 _CODES = 10  # different values: a quality number has more, a flag of a quality control has fewer
 _NAMES = (
-    "sensor",
-    "sensor_id",
-    "device",
-    "device_id",
-    "dev_eui",
-    "deveui",
-    "node",
-    "unit",
-    "id",
-    "mac",
-    "host",
-    "station_id",
-    "serial",
-    "sn",
-)
+    "sensor", "sensor_id", "device", "device_id", "dev_eui", "deveui", "node", "unit", "id", "mac", "host",
+    "station_id", "serial", "sn",
+)  # fmt: skip
 _FEW = 5  # rows of a sensor on average, at least
 
 
 def doubtful_in(table: pd.DataFrame, requests: Mapping[str, str] | None = None) -> dict[str, str]:
     """Why a column is not used unless somebody asks for it, by column.
 
-    Only gaps in rows with a reading count: a row without a reading is lost anyway.
-
-    Parameters
-    ----------
-    requests : mapping of str to str, optional
-        What the user and the log say about columns.
+    Only gaps in rows with a reading count: a row without a reading is lost anyway. The requests are what the
+    user and the log say about columns.
 
     Examples
     --------
@@ -108,20 +90,17 @@ def sensors_in(table: pd.DataFrame) -> dict[str, int]:
     for name in table.columns:
         if str(name).strip().lower().replace(" ", "_") not in _NAMES:
             continue
-        count = _distinct(table[name])
+        try:
+            count = int(table[name].nunique())
+        except TypeError:  # lists, which have no hash
+            continue
         if 1 < count <= max(len(table) // _FEW, 1):
             found[str(name)] = count
     return found
 
 
 def note_of(table: pd.DataFrame, used: set[str]) -> str:
-    """Say that a table that is taken for one sensor holds several; empty if it does not.
-
-    Parameters
-    ----------
-    used : set of str
-        Columns that the user gives a meaning.
-    """
+    """Say that a table that is taken for one sensor holds several, by a column that the user does not use."""
     for name, count in sensors_in(table).items():
         if name not in used:
             values = ", ".join(shown(str(value)) for value in table[name].dropna().unique()[:3])
@@ -132,10 +111,3 @@ def note_of(table: pd.DataFrame, used: set[str]) -> str:
                 f"{keyword('columns', {name: 'extra'})}"
             )
     return ""
-
-
-def _distinct(values: pd.Series[Any]) -> int:
-    try:
-        return int(values.nunique())
-    except TypeError:  # lists, which have no hash
-        return 0

@@ -4,19 +4,15 @@ import warnings
 from collections.abc import Callable, Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
 from echocal import _core
+from echocal.arrays import Column, Mask
 from echocal.errors import DataError, DomainWarning, UsageError
 from echocal.keywords import keyword
 from echocal.model import Model
 from echocal.observations.fields import row
 from echocal.observations.part import Part
 from echocal.observations.plan import Assignment
-
-__all__ = ["DEFAULT_SPEED", "FirmwareSpeed", "disagreeing"]
-
-Column = NDArray[np.float64]
 
 DEFAULT_SPEED = "linear"
 """Law that the firmware is assumed to use if the user does not state one."""
@@ -57,13 +53,12 @@ class FirmwareSpeed:
         else:
             self._conditions = {name: conditions[name] for name in self._reads() if name in conditions}
             if "temperature" not in self._conditions:
-                message = (
+                raise DataError(
                     f"readings become echo times with the speed that the firmware used: '{self.law}' needs a "
                     f"temperature and the table has none; map one ({keyword('columns', thermometer())}), or "
                     f"say the speed: {keyword('reading_speed', 343)}; one that nobody recorded: "
                     f"{keyword('at', {'temperature': '20+-2'})}"
                 )
-                raise DataError(message)
 
     @property
     def fixed(self) -> bool:
@@ -74,7 +69,7 @@ class FirmwareSpeed:
             return False
         return True
 
-    def echo_time(self, reading: Column, usable: NDArray[np.bool_]) -> Column:
+    def echo_time(self, reading: Column, usable: Mask) -> Column:
         """Echo time [s] of a reading [m].
 
         Raises `DataError` if the speed is none that a usable row can have been made with.
@@ -88,11 +83,10 @@ class FirmwareSpeed:
         wrong = np.flatnonzero(usable & ~((echo_time > 0.0) & (echo_time < np.inf)))
         if len(wrong):
             speed = np.broadcast_to(self._model.speed_of_sound(1.0, **self._given()), echo_time.shape)
-            message = (
+            raise DataError(
                 f"readings cannot be made with the speed '{self.law}': it is {speed[wrong[0]]:g} m/s at "
                 f"{row(wrong[0])}; say the one that the firmware used: {keyword('reading_speed', 343)}"
             )
-            raise DataError(message)
         return echo_time
 
     def reading(self, echo_time: Column) -> Column:
@@ -114,12 +108,11 @@ def _refuse_speed(speed: float) -> None:
     if low <= speed <= high:
         return
     meant = [f"; {speed:g} {unit} is {c:.1f} m/s" for unit, c in _meant(speed) if low <= c <= high]
-    message = (
+    raise UsageError(
         f"the reading speed is {speed:g} m/s; the speed of sound in air lies within {low:g} .. {high:g} m/s"
         f"{meant[0] if meant else ''}; say the speed that the firmware used: "
         f"{keyword('reading_speed', 343)}"
     )
-    raise UsageError(message)
 
 
 def _meant(number: float) -> list[tuple[str, float]]:
@@ -147,7 +140,7 @@ def disagreeing(
     speed: FirmwareSpeed,
     sources: tuple[Assignment, Assignment],
     part: Part | None = None,
-) -> NDArray[np.bool_]:
+) -> Mask:
     """Rows whose reading is not what the firmware makes of the echo time.
 
     Raises `DataError` if that is most rows.
@@ -162,10 +155,9 @@ def disagreeing(
     elif 2 * apart.sum() > known.sum():
         ratio = float(np.median(reading[known] / expected[known]))
         echo, indicated = (source.column for source in sources)
-        message = (
+        raise DataError(
             f"'{echo}' and '{indicated}' disagree in {apart.sum()} of {known.sum()} rows: the reading is "
             f"{ratio:.3f} times speed ({speed.law}) x echo time / 2 (median); check units, one way or two, "
             f"and {keyword('reading_speed')}, or leave one out: {keyword('columns', {indicated: 'ignore'})}"
         )
-        raise DataError(message)
     return np.asarray(apart, dtype=np.bool_)

@@ -10,10 +10,9 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from echocal.arrays import Column
 from echocal.errors import DataError
 from echocal.keywords import keyword
-
-__all__ = ["fields", "is_empty", "refuse_object", "row", "rows", "shown", "span"]
 
 _SCALARS = (str, Real, Decimal, np.bool_, np.datetime64, np.timedelta64, date, time, timedelta, pd.Period)
 _NONE = (None, pd.NA, pd.NaT)
@@ -60,10 +59,7 @@ def shown(text: str) -> str:
 def fields(values: pd.Series[Any], column: str) -> pd.Series[Any]:
     """Text of each field without blanks around it; empty where there is no value.
 
-    Raises
-    ------
-    DataError
-        If a field is neither text nor a single value: a list, bytes, a signaling NaN.
+    Raises `DataError` if a field is neither text nor a single value: a list, bytes, a signaling NaN.
 
     Examples
     --------
@@ -79,6 +75,11 @@ def fields(values: pd.Series[Any], column: str) -> pd.Series[Any]:
     return pd.Series(texts, index=values.index, dtype=object)
 
 
+def floats(values: pd.Series[Any]) -> Column:
+    """Numbers of a column, NaN where a field is none."""
+    return pd.to_numeric(values, errors="coerce").to_numpy(dtype=np.float64, na_value=np.nan)
+
+
 def is_empty(field: Any) -> bool:
     """Whether a field has no value: an empty text, None, NaN, NaT."""
     if isinstance(field, str):
@@ -91,11 +92,10 @@ def refuse_object(column: str, position: int, field: object) -> None:
     if (isinstance(field, _SCALARS) and not _signals(field)) or any(field is none for none in _NONE):
         return
     what = "a signaling NaN" if _signals(field) else f"a value of type {type(field).__name__}"
-    message = (
+    raise DataError(
         f"column '{column}' holds {what} at {row(position)}; give one number or text a row "
         f"(None for no value), or leave the column out: {keyword('columns', {column: 'ignore'})}"
     )
-    raise DataError(message)
 
 
 def _text(field: object, column: str, position: int) -> str:

@@ -11,12 +11,10 @@ from itertools import islice
 from pathlib import Path
 from typing import IO, Any, TextIO
 
-from echocal.errors import DataError
+from echocal.errors import DataError, reading
 from echocal.observations.heading import FIRST, head_in
 from echocal.observations.layout import CUT_SIGN, Head, Layout, said_no_text, seen_in
 from echocal.observations.limits import Guarded
-
-__all__ = ["BAG", "ULOG", "TextFile", "is_parquet"]
 
 _SAMPLE = 1 << 20  # bytes that show the encoding
 _ZIPPED = b"\x1f\x8b"
@@ -39,46 +37,25 @@ _DATABASE = ".db3"  # of ROS 2: SQLite, which other programs use, too
 class TextFile:
     """A file of a table: text, gzipped or not, unless its first bytes say otherwise.
 
-    Parameters
-    ----------
-    path : Path
-    layout : Layout
-        How its text is written.
-
-    Attributes
-    ----------
-    path : Path
-    layout : Layout
-        The same, with the encoding that was seen.
-    is_parquet, is_spreadsheet, is_zipped : bool
-    recording : str
-        What a person calls it where it is a recording of messages; else empty.
-    above : list of str
-        Lines that the layout skips.
-    first : list of str
-        The lines below, as far as a format or a header is looked for.
-
-    Raises
-    ------
-    DataError
-        If it cannot be opened, is of a kind that is not read, or does not begin as text does.
+    Its layout has the encoding that was seen. Raises `DataError` if it cannot be opened, is of a kind that is
+    not read, or does not begin as text does.
     """
 
     def __init__(self, path: Path, layout: Layout) -> None:
         self.path, self.layout = path, layout
-        self.above: list[str] = []
-        self.first: list[str] = []
+        self.above: list[str] = []  # lines that the layout skips
+        self.first: list[str] = []  # the lines below, as far as a format or a header is looked for
         with _opened(path) as file:
             begins = self._begins = file.read(8)
             self.is_zipped = begins.startswith(_ZIPPED)
             self.is_parquet, self.is_spreadsheet = begins[:4] == _PARQUET, begins.startswith(_SPREADSHEETS)
+            # what a person calls it where it is a recording of messages; else empty
             self.recording = _recording(path, begins)
             if self.recording:
                 return
             for start, told in _NO_TABLE.items():
                 if begins.startswith(start):
-                    message = f"{path} is {told}"
-                    raise DataError(message)
+                    raise DataError(f"{path} is {told}")
             if not (self.is_parquet or self.is_spreadsheet):
                 with self._unpacked(file) as data:
                     self._look(data)
@@ -94,10 +71,7 @@ class TextFile:
     def head(self) -> Head:
         """The header of delimited text; the separator is the one that it has most of.
 
-        Raises
-        ------
-        DataError
-            If the file is not delimited text.
+        Raises `DataError` if the file is not delimited text.
         """
         return head_in(list(self.first), self.layout, str(self.path))
 
@@ -116,10 +90,7 @@ class TextFile:
     def opened(self) -> Iterator[IO[bytes]]:
         """Open it for its bytes, unpacked.
 
-        Raises
-        ------
-        DataError
-            If they cannot be unpacked, or are decoded meanwhile and are no text.
+        Raises `DataError` if they cannot be unpacked, or are decoded meanwhile and are no text.
         """
         with _opened(self.path) as file, self._unpacked(file) as data:
             yield data
@@ -127,16 +98,14 @@ class TextFile:
     @contextmanager
     def _unpacked(self, file: IO[bytes]) -> Iterator[IO[bytes]]:
         if not file.seekable():
-            message = f"{self.path} gives its bytes once (a pipe): write them to a file, and give that"
-            raise DataError(message)
+            raise DataError(f"{self.path} gives its bytes once (a pipe): write them to a file, and give that")
         file.seek(0)
         try:
             yield gzip.GzipFile(fileobj=file) if self.is_zipped else file  # type: ignore[misc]
         except UnicodeError:
             raise self.no_text() from None
         except (OSError, EOFError, zlib.error) as error:
-            message = f"{self.path} cannot be unpacked: {error}"
-            raise DataError(message) from None
+            raise DataError(f"{self.path} cannot be unpacked: {error}") from None
 
     @contextmanager
     def below(self, data: IO[bytes], lines: int) -> Iterator[TextIO]:
@@ -170,23 +139,10 @@ def is_parquet(path: Path) -> bool:
 
 def _opened(path: Path) -> IO[bytes]:
     """A file that is not empty."""
-    try:
+    with reading(path):
         file = path.open("rb")
         is_empty = not file.peek(1)
-    except IsADirectoryError:
-        message = f"{path} is a folder; name one file of it"
-        raise DataError(message) from None
-    except FileNotFoundError:
-        message = f"no file {path}"
-        raise DataError(message) from None
-    except OSError as error:
-        message = f"{path} cannot be read: {error.strerror}"
-        raise DataError(message) from None
-    except ValueError as error:  # a NUL byte, a lone surrogate
-        message = f"{str(path)!r} cannot be the name of a file: {error}"
-        raise DataError(message) from None
     if is_empty:
         file.close()
-        message = f"{path} is empty"
-        raise DataError(message)
+        raise DataError(f"{path} is empty")
     return file

@@ -12,8 +12,6 @@ from echocal.keywords import keyword
 from echocal.observations.fields import rows, span
 from echocal.observations.layout import Head, Layout
 
-__all__ = ["CORRUPT", "CUT", "NOT_READ", "Found", "Join", "found_in", "keep", "pointed", "said_of", "told"]
-
 CORRUPT = "corrupt line"
 """Reason of a row with more fields than its header."""
 
@@ -63,51 +61,27 @@ def told(joined: Mapping[str, Join]) -> list[str]:
 
 @dataclass(frozen=True)
 class Found:
-    """What stands in a log beside its values.
+    """What stands in a log beside its values."""
 
-    Attributes
-    ----------
-    kind : str
-        What a person calls the format.
-    units : mapping of str to str
-        Units of columns that the log gives beside their names.
-    notes : tuple of str
-        What a person should know, one sentence each.
-    corrupt : mapping of int to str
-        Reason of each row that could not be read.
-    streams : bool
-        Whether `echocal correct` can keep the file line by line.
-    requests : mapping of str to str
-        What columns hold by their values or by how the log is written: times, the values of known programs.
-    sure : tuple of str
-        Those of them that are right, however unusual: the log writes the unit beside each value.
-    joined : mapping of str to Join
-        Columns whose values were recorded at other times than those of the rows.
-    """
-
-    kind: str = ""
+    kind: str = ""  # what a person calls the format
     units: Mapping[str, str] = field(default_factory=dict)
-    notes: tuple[str, ...] = ()
-    corrupt: Mapping[int, str] = field(default_factory=dict)
-    streams: bool = True
+    """Units of columns that the log gives beside their names."""
+    notes: tuple[str, ...] = ()  # what a person should know, one sentence each
+    corrupt: Mapping[int, str] = field(default_factory=dict)  # reason of each row that could not be read
+    streams: bool = True  # whether `echocal correct` can keep the file line by line
     requests: Mapping[str, str] = field(default_factory=dict)
+    """What columns hold by their values or by how the log is written: times, the values of known programs."""
     sure: tuple[str, ...] = ()
+    """Those of them that are right, however unusual: the log writes the unit beside each value."""
     joined: Mapping[str, Join] = field(default_factory=dict)
+    """Columns whose values were recorded at other times than those of the rows."""
 
 
 def keep(table: pd.DataFrame, found: Found) -> pd.DataFrame:
     """The table with what was found."""
-    plain = {
-        "kind": found.kind,
-        "units": dict(found.units),
-        "notes": list(found.notes),
-        "corrupt": [[row, why] for row, why in found.corrupt.items()],
-        "streams": found.streams,
-        "requests": dict(found.requests),
-        "sure": list(found.sure),
-        "joined": {column: asdict(join) for column, join in found.joined.items()},
-    }
-    table.attrs[_KEY] = plain
+    # what JSON keeps, as which Parquet writes it
+    corrupt = [[row, why] for row, why in found.corrupt.items()]
+    table.attrs[_KEY] = {**asdict(found), "corrupt": corrupt}
     return table
 
 
@@ -118,10 +92,8 @@ def found_in(table: pd.DataFrame) -> Found:
         return Found()
     corrupt = {int(row): str(why) for row, why in plain["corrupt"] if row < len(table)}
     joined = {column: Join(**join) for column, join in plain["joined"].items()}
-    return Found(
-        plain["kind"], plain["units"], tuple(plain["notes"]), corrupt, plain["streams"], plain["requests"],
-        tuple(plain["sure"]), joined,
-    )  # fmt: skip
+    lists = {name: tuple(plain[name]) for name in ("notes", "sure")}
+    return Found(**{**plain, **lists, "corrupt": corrupt, "joined": joined})
 
 
 def pointed(texts: pd.Series[Any]) -> pd.Series[Any]:

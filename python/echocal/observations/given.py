@@ -13,8 +13,6 @@ from echocal.observations.options import ReadOptions
 from echocal.observations.reading import read_observations
 from echocal.observations.table import Observations
 
-__all__ = ["READ_OPTIONS", "mounted_options", "observed", "refuse_keywords"]
-
 READ_OPTIONS = tuple(one.name for one in fields(ReadOptions) if one.init)
 """Keywords of `echocal.read_observations`."""
 
@@ -23,6 +21,9 @@ def observed(
     given: Any, caller: Callable[..., Any], how: Mapping[str, Any], speed: str, model: Model | None = None
 ) -> Observations:
     """Return the observations that a function was given, or read them from a table.
+
+    Raises `TypeError` if the caller has no such keyword, and `UsageError` if keywords for reading are given
+    with observations.
 
     Parameters
     ----------
@@ -35,20 +36,14 @@ def observed(
         Law or speed [m/s] that the device converts with, where they do not say; empty for the default.
     model : Model, optional
         Its height of the sensor is that of levels, where they do not say.
-
-    Raises
-    ------
-    TypeError
-        If the caller has no such keyword.
-    UsageError
-        If keywords for reading are given with observations.
     """
     refuse_keywords(caller, how, READ_OPTIONS)
     if isinstance(given, Observations):
         if how:
             name = next(iter(how))
-            message = f"{name} is an argument for reading a table; pass it to read_observations instead"
-            raise UsageError(message)
+            raise UsageError(
+                f"{name} is an argument for reading a table; pass it to read_observations instead"
+            )
         return given
     default: dict[str, Any] = {"reading_speed": speed} if speed else {}
     if model is not None and how.get("columns"):
@@ -80,5 +75,4 @@ def refuse_keywords(caller: Callable[..., Any], given: Iterable[str], also: Iter
         if name not in known:
             near = get_close_matches(name, known, n=1)
             hint = f"; did you mean '{near[0]}'?" if near else ""
-            message = f"{caller.__name__}() got an unexpected keyword argument '{name}'{hint}"
-            raise TypeError(message)
+            raise TypeError(f"{caller.__name__}() got an unexpected keyword argument '{name}'{hint}")

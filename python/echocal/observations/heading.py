@@ -13,18 +13,6 @@ from echocal.observations.limits import refuse_names
 from echocal.observations.scanner import Scanner
 from echocal.observations.units import is_unit_row
 
-__all__ = [
-    "FIRST",
-    "SEPARATORS",
-    "decimal_of",
-    "fields_of",
-    "find_head",
-    "head_in",
-    "is_value",
-    "names_of",
-    "too_long",
-]
-
 SEPARATORS = ",;\t|"
 FIRST = 200  # lines that are looked at for the header
 _NUMBER = re.compile(r"[-+]?(?:\d[\d.,']*|[.,]\d+)(?:[eE][-+]?\d+)?")
@@ -75,11 +63,10 @@ def head_in(lines: list[str], layout: Layout, path: str) -> Head:
         and head.above == skip + 1
         and any(s in "".join(lines[1:2]) for s in SEPARATORS)
     ):
-        message = (
+        raise DataError(
             f"{path}: line {skip + 1} ('{first[:40]}') is one field and the next line has more; "
             f"if it is a logger's own line, skip it: {keyword('skip_lines', skip + 1)}"
         )
-        raise DataError(message)
     if not head.nameless and head.above > skip:
         header = lines[head.above - skip - 1]
         Scanner(path, replace(head, comments=False, repeated=frozenset())).refuse_open(header, head.above)
@@ -93,38 +80,30 @@ def _first_lines(lines: list[str], skip: int, path: str) -> tuple[int, str, list
         skip += 1
         before = lines.pop(0).strip()
     if not lines:
-        message = f"{path} has no header" + (f" after {skip} skipped lines" if skip else "")
-        raise DataError(message)
+        raise DataError(f"{path} has no header" + (f" after {skip} skipped lines" if skip else ""))
     if "\0" in lines[0]:
         wide = {0: "utf-16-be", 1: "utf-16-le"}.get(lines[0].find("\0"), "utf-16")
-        message = (
+        raise DataError(
             f"{path} is not text: its first line has NUL bytes; a binary file, or name the encoding: "
             f"{keyword('encoding', wide)}"
         )
-        raise DataError(message)
     return skip, before, [line.rstrip("\r\n") for line in lines]
 
 
 def find_head(lines: Sequence[str], skipped: int, before: str) -> Head:
-    """Find the header in the first lines of a text.
+    """Find the header in the first lines of a text, without their ends, the first not blank and no comment.
 
-    Parameters
-    ----------
-    lines : sequence of str
-        Lines without their ends, the first of them not blank and no comment.
-    skipped : int
-        Lines above them.
-    before : str
-        The comment right above them; empty without one.
+    So many lines above them are skipped, and `before` is the comment right above them, or empty.
     """
     given = _SEP_LINE.fullmatch(lines[0].strip())
     if given and not given[1].isascii():
-        message = f"'{lines[0].strip()}' names a separator that is no sign of ASCII; write another one"
-        raise DataError(message)
+        raise DataError(f"'{lines[0].strip()}' names a separator that is no sign of ASCII; write another one")
     if given and len(lines) > 1:
         return _table(lines, 1, skipped, given[1])
     if lines[0].startswith(('"TOA5"', "TOA5,", '"TOACI1"', "TOACI1,")) and len(lines) > 1:
-        return _campbell(lines, skipped)
+        long = "TOA5" in lines[0][:8]
+        kind = "TOA5 of a Campbell logger" if long else "TOACI1"
+        return _table(lines, 1, skipped, ",", 2 if long else 0, kind)
     ends = [n for n, line in enumerate(lines) if line.startswith("***End_of_Header***")]
     if ends:
         return _labview(lines, ends[-1] + 1, skipped)
@@ -150,11 +129,6 @@ def _plain_head(lines: Sequence[str], skipped: int, before: str) -> Head:
             if len(fields_of(lines[place], own_separator)) > 1 and _all_values(lines[place], own_separator):
                 return _nameless(lines[place:], skipped + place, own_separator, "")
     return _table(lines, 0, skipped, separator)
-
-
-def _campbell(lines: Sequence[str], skipped: int) -> Head:
-    long = "TOA5" in lines[0][:8]
-    return _table(lines, 1, skipped, ",", 2 if long else 0, "TOA5 of a Campbell logger" if long else "TOACI1")
 
 
 def _labview(lines: Sequence[str], begin: int, skipped: int) -> Head:

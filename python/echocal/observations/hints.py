@@ -28,36 +28,20 @@ from echocal.observations.vocabulary import (
     WORDS,
 )
 
-__all__ = ["Hint", "completed", "hint", "is_time_name", "of_ranger", "role_of", "role_of_unit"]
-
-
 _SHORT = 4  # letters of a word in a compound
 _KNOWN = frozenset().union(*(words for _, words in WORDS.values()), *NOT.values())
 
 
 @dataclass(frozen=True)
 class Hint:
-    """What a foreign name and its unit say.
+    """What a foreign name and its unit say."""
 
-    Attributes
-    ----------
-    name : str
-        The column in echocal's way: ``reading_cm``.
-    sure : bool
-        Whether this cannot be another quantity.
-    """
-
-    name: str
-    sure: bool = True
+    name: str  # the column in echocal's way: ``reading_cm``
+    sure: bool = True  # whether this cannot be another quantity
 
 
 def hint(column: str, unit: str = "") -> Hint | None:
-    """What a column may hold by its name and its unit; None where they say nothing, or too little.
-
-    Parameters
-    ----------
-    unit : str
-        Unit that the log gives beside the name.
+    """What a column may hold by its name, and the unit beside it; None where they say nothing, or too little.
 
     Examples
     --------
@@ -73,12 +57,10 @@ def hint(column: str, unit: str = "") -> Hint | None:
     if column.strip().lower() in COUNTERS:
         return Hint(COUNTERS[column.strip().lower()])
     if role := role_of_unit(column):
-        # one letter, and a word such as "in", say too little
-        return (
-            None
-            if len(column.strip()) < 2 or column.strip().lower() == "in"
-            else _alone(role, symbol_of(column))
-        )
+        # a length may be the reference, a time a clock, a percentage a charge; one letter, or "in", says too
+        # little
+        unclear = role in {"echo", "humidity"} or len(column.strip()) < 2 or column.strip().lower() == "in"
+        return None if unclear else Hint(f"{role}_{symbol_of(column)}", role != "reading")
     words, own = split_unit(STATISTIC.sub("", column))
     symbol = symbol_of(unit) or own
     if not symbol:
@@ -92,8 +74,8 @@ def hint(column: str, unit: str = "") -> Hint | None:
         return Hint(f"time_{symbol}")
     for role, (units, known) in WORDS.items():
         if symbol in units and tokens & known and not tokens & NOT.get(role, set()):
-            name = _name(role, symbol)
-            return Hint(name, role not in {"reading"} or not tokens & {"distance", "dist", "abstand"})
+            name = f"{role}_{symbol}" if f"{role}_{symbol}" in NAMES else role
+            return Hint(name, role != "reading" or not tokens & {"distance", "dist", "abstand"})
     return None
 
 
@@ -122,13 +104,6 @@ def role_of_unit(column: str) -> str:
     symbol = symbol_of(column)
     roles = ("reading", "echo", "temperature", "humidity", "pressure")
     return next((role for role in roles if symbol and symbol in WORDS[role][0]), "")
-
-
-def _alone(role: str, symbol: str) -> Hint | None:
-    """What a unit as a name says: a length may be the reference, a time a clock, a percentage a charge."""
-    if role in {"echo", "humidity"}:
-        return None
-    return Hint(f"{role}_{symbol}", role != "reading")
 
 
 def is_time_name(column: str) -> bool:
@@ -214,10 +189,6 @@ def _several(listed: list[tuple[str, Hint]]) -> str:
     if NAMES[said.name][0].quantity in {"reading", "echo_time"}:
         each = f"; if each is a ranger: {keyword('by', ','.join(column for column, _ in listed))}"
     return f"{names} may both hold {said.name}, and neither is used; say which: {way}{each}"
-
-
-def _name(role: str, symbol: str) -> str:
-    return f"{role}_{symbol}" if f"{role}_{symbol}" in NAMES else role
 
 
 def _tokens(words: str) -> set[str]:

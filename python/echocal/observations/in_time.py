@@ -9,15 +9,12 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from echocal.arrays import Column, Mask
 from echocal.errors import DataError
 from echocal.observations.dates import CLOCK, as_iso, unwrapped_clock
 from echocal.observations.found import Join
 from echocal.observations.hints import hint
 from echocal.observations.units import NAMES
-
-__all__ = ["Clock", "clock_of", "counts_per_second", "joined", "spread"]
-
-Column = NDArray[np.float64]
 
 _REACH = 3.0
 """Usual intervals between two values that a straight line may bridge: two that are lost in a row."""
@@ -116,7 +113,7 @@ def _usual(steps: Column) -> float:
 
 def _unchanged(
     own: Column, held: Column, broken: Column, before: NDArray[np.intp], after: NDArray[np.intp]
-) -> NDArray[np.bool_]:
+) -> Mask:
     """Rows in a long interval of a record that is written when its value changes, where it hardly changed.
 
     Such a record has no value twice in a row. Its intervals are uneven, or it mostly changes by one step.

@@ -13,7 +13,7 @@ import pandas as pd
 
 from echocal.errors import EchocalError
 from echocal.observations.doubtful import note_of, sensors_in
-from echocal.observations.fields import span
+from echocal.observations.fields import floats, span
 from echocal.observations.found import found_in
 from echocal.observations.names import EXTRA, IGNORE
 from echocal.observations.options import ReadOptions
@@ -23,8 +23,6 @@ from echocal.observations.reading import read_observations
 from echocal.observations.source import load
 from echocal.observations.table import Observations
 from echocal.observations.units import split_unit
-
-__all__ = ["Clock", "ColumnFacts", "Inspection", "inspect_log"]
 
 _BINS = 10
 _JUMP = 5.0  # usual steps
@@ -99,14 +97,9 @@ class Inspection:
 
 
 def inspect_log(path: Path, options: ReadOptions | None = None) -> Inspection:
-    """Look at a log, without using it.
+    """Look at a log, without using it. The options are what the user says already, ``missing`` by column.
 
     Raises `DataError` if the file cannot be read as a table of any kind.
-
-    Parameters
-    ----------
-    options : ReadOptions, optional
-        What the user says already; ``missing`` by column.
     """
     options = options or ReadOptions()
     missing, how = dict(options.missing), options.given()
@@ -165,7 +158,7 @@ def _facts(
 ) -> ColumnFacts:
     name = str(values.name)
     unit = units.get(name, "") or split_unit(name)[1].replace("percent", "%").replace("_", "/")
-    numbers = pd.to_numeric(values, errors="coerce").to_numpy(dtype=np.float64, na_value=np.nan)
+    numbers = floats(values)
     finite = numbers[np.isfinite(numbers)]
     empty = int(values.isna().sum() + (values.astype(object) == "").sum())
     filled = len(values) - empty

@@ -6,17 +6,15 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
+from echocal.arrays import Labels
 from echocal.errors import DataError
 from echocal.observations.fields import fields, is_empty, refuse_object, row, shown
-
-__all__ = ["codes", "few_codes", "positions"]
 
 _FEW = 50  # different texts from which on a column holds remarks, not kinds
 
 
-def codes(values: pd.Series[Any], column: str) -> NDArray[np.int64]:
+def codes(values: pd.Series[Any], column: str) -> Labels:
     """Number the distinct values in the order in which they appear; -1 where empty.
 
     Raises `DataError` if a field is no single value.
@@ -36,7 +34,7 @@ def codes(values: pd.Series[Any], column: str) -> NDArray[np.int64]:
     return found
 
 
-def few_codes(values: pd.Series[Any]) -> NDArray[np.int64] | None:
+def few_codes(values: pd.Series[Any]) -> Labels | None:
     """Number the texts of a column in the order in which they appear; None where they are many or one.
 
     -1 where empty.
@@ -50,7 +48,7 @@ def few_codes(values: pd.Series[Any]) -> NDArray[np.int64] | None:
     return np.asarray(found, dtype=np.int64)
 
 
-def positions(values: pd.Series[Any], column: str) -> NDArray[np.int64]:
+def positions(values: pd.Series[Any], column: str) -> Labels:
     """Whole numbers, bare or as the only number of a text (``Obs. 3``); -1 where empty.
 
     Raises `DataError` if a field has no whole number, or several.
@@ -59,9 +57,8 @@ def positions(values: pd.Series[Any], column: str) -> NDArray[np.int64]:
     found = texts.str.extract(r"^\D*?(\d{1,18})(?:\.0)?\D*$", expand=False)
     wrong = np.flatnonzero(found.isna() & (texts != ""))
     if len(wrong):
-        message = (
+        raise DataError(
             f"column '{column}' must hold the position in a burst, one whole number a row; "
             f"{row(wrong[0])} has '{shown(texts.iloc[wrong[0]])}'"
         )
-        raise DataError(message)
     return found.fillna("-1").to_numpy(dtype=np.int64)

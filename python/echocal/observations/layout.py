@@ -11,8 +11,6 @@ import numpy as np
 from echocal.errors import UsageError
 from echocal.keywords import keyword
 
-__all__ = ["CUT_SIGN", "NO_SIGN", "Head", "Layout", "said_no_text", "seen_in"]
-
 CUT_SIGN = "echocal.cut_sign"
 """How a file that is cut within a sign is decoded; anything else that is no text is an error."""
 
@@ -44,15 +42,15 @@ class Layout:
 
     def __post_init__(self) -> None:
         if not isinstance(self.skip_lines, int | np.integer) or not 0 <= self.skip_lines <= sys.maxsize:
-            message = f"skip_lines is {self.skip_lines!r}; give the number of lines before the header"
-            raise UsageError(message)
+            raise UsageError(f"skip_lines is {self.skip_lines!r}; give the number of lines before the header")
         if self.decimal not in {".", ",", None}:
-            message = f"decimal separator '{self.decimal}' is neither '.' nor ','"
-            raise UsageError(message)
+            raise UsageError(f"decimal separator '{self.decimal}' is neither '.' nor ','")
         try:
             "".encode(self.encoding)  # also refuses one of bytes, such as zip
         except (LookupError, TypeError, ValueError):
-            raise UsageError(no_encoding(self.encoding)) from None
+            raise UsageError(
+                f"unknown encoding '{self.encoding}'; common ones: utf-8, latin-1, utf-16"
+            ) from None
 
 
 @dataclass(frozen=True)
@@ -97,11 +95,6 @@ def _cut_sign(error: UnicodeError) -> tuple[str, int]:
 
 
 codecs.register_error(CUT_SIGN, _cut_sign)
-
-
-def no_encoding(name: object) -> str:
-    """Say that an encoding is unknown."""
-    return f"unknown encoding '{name}'; common ones: utf-8, latin-1, utf-16"
 
 
 def said_no_text(name: str, encoding: str, begins: bytes) -> str:

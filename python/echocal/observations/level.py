@@ -4,8 +4,8 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from echocal.arrays import Column, Mask
 from echocal.errors import DataError, UsageError
 from echocal.keywords import keyword
 from echocal.observations.mount import LEAST, is_level, without_height
@@ -15,10 +15,6 @@ from echocal.observations.plan import Assignment, make
 
 if TYPE_CHECKING:
     import pandas as pd
-
-__all__ = ["BESIDE", "fitted", "refuse_level", "refuse_unit"]
-
-Column = NDArray[np.float64]
 
 BESIDE = {"reading": ("reference_distance", "echo_time"), "reference_distance": ("reading", "echo_time")}
 """Quantities that tell the distance beside a level, the first of them first."""
@@ -38,13 +34,8 @@ def fitted(
     """Meanings of columns, each level with the height that distances beside it tell, and a sentence on it.
 
     The height is the middle of level + distance, to the millimeter. What it is wrong by is a zero error.
-
-    Raises
-    ------
-    UsageError
-        If nothing beside a level tells a distance.
-    DataError
-        If a level does not rise where the distance falls.
+    Raises `UsageError` if nothing beside a level tells a distance, and `DataError` if a level does not rise
+    where the distance falls.
     """
     found, said = dict(requests), []
     open_ = [name for name, own in requests.items() if BELOW not in own and is_level(name, own)]
@@ -64,11 +55,10 @@ def fitted(
             raise UsageError(without_height(own))
         level, far = level[known], far[known]
         if _spread(level) > _LEAST and _spread(level + far) >= _spread(level - far):
-            message = (
+            raise DataError(
                 f"column '{column}' is no level beside '{other.column}': it does not fall where the distance "
                 f"rises; say what it is: {keyword('columns', {column: f'distance_{own.unit_name}'})}"
             )
-            raise DataError(message)
         refuse_unit(level, far, np.ones(len(level), dtype=bool), own, other)
         height = round(float(np.median(level + far)), 3)
         found[column] = f"{requests[column]}{BELOW}{height!r} m"
@@ -84,23 +74,11 @@ def _length(values: Column, of: Assignment) -> Column:
     return 0.5 * _SPEED * values if of.form.quantity == "echo_time" else values
 
 
-def refuse_unit(
-    level: Column, beside: Column, usable: NDArray[np.bool_], own: Assignment, other: Assignment
-) -> None:
+def refuse_unit(level: Column, beside: Column, usable: Mask, own: Assignment, other: Assignment) -> None:
     """Refuse a level that changes by another power of ten than the distance beside it.
 
-    Parameters
-    ----------
-    level, beside : ndarray, shape (n,)
-        The level, or the distance that it stands for [m]; the distance beside it [m], or echo times [s].
-    usable : ndarray of bool, shape (n,)
-    own, other : Assignment
-        Their columns.
-
-    Raises
-    ------
-    DataError
-        With what both change by, and the unit in which they agree.
+    The level, or the distance that it stands for [m], is in `own`; the distance beside it [m], or echo times
+    [s], in `other`. Raises `DataError` with what both change by, and the unit in which they agree.
     """
     known = usable & np.isfinite(level) & np.isfinite(beside)
     if known.sum() < LEAST:
@@ -115,12 +93,11 @@ def refuse_unit(
     way = f"say its unit: {keyword('columns', {own.column: f'{form.role}_{near}'})}"
     if near == own.unit_name:
         way = f"multiply it by {10.0 ** np.round(np.log10(fall / rise)):g}, or say its unit"
-    message = (
+    raise DataError(
         f"column '{own.column}' changes by {rise:.3g} m, taken as {own.name}, and '{other.column}' by "
         f"{fall:.3g} m: a factor of {max(rise / fall, fall / rise):.0f}. A level changes by as much as the "
         f"distance; {way}"
     )
-    raise DataError(message)
 
 
 def _other(held: Mapping[str, Assignment], level: Assignment) -> Assignment | None:
@@ -133,28 +110,14 @@ def refuse_level(
     reference: Column,
     reading: Column | None,
     echo_time: Column,
-    usable: NDArray[np.bool_],
+    usable: Mask,
     column: str,
     name: str,
 ) -> None:
     """Refuse a reference distance whose sum with the reading is nearly constant, and their difference is not.
 
-    Parameters
-    ----------
-    reference : ndarray, shape (n,)
-        What the table gives as reference distance [m].
-    reading : ndarray, shape (n,), or None
-        What the device indicates [m].
-    echo_time : ndarray, shape (n,)
-        Taken where there is no reading [s].
-    usable : ndarray of bool, shape (n,)
-    column, name : str
-        Name of the column, and what it was taken for (``distance_m``), for the message.
-
-    Raises
-    ------
-    DataError
-        If it looks like a level.
+    Echo times [s] are taken where there is no reading [m]. The message names the column, and what it was
+    taken for (``distance_m``). Raises `DataError` if it looks like a level.
     """
     indicated = 0.5 * _SPEED * echo_time if reading is None else reading
     known = usable & np.isfinite(reference) & np.isfinite(indicated)
@@ -165,7 +128,7 @@ def refuse_level(
     together, apart, own = (_spread(v) for v in (distance + level, distance - level, level))
     if own < _LEAST or together > _RATIO * apart:
         return
-    message = (
+    raise DataError(
         f"column '{column}' looks like a level, not like the distance to the target: where it rises, the "
         f"reading falls. Their sum stays within {together:.3f} m of {height:.2f} m, and their difference "
         f"changes by {apart:.3f} m (90 % of {known.sum()} rows). If it is a level: "
@@ -175,7 +138,6 @@ def refuse_level(
         f"{keyword('columns', {column: 'ignore'})}; if it is a distance all the same: "
         f"{keyword('trust', [column])}"
     )
-    raise DataError(message)
 
 
 def _spread(values: Column) -> float:

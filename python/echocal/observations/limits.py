@@ -8,9 +8,6 @@ from typing import IO, Any
 
 from echocal.errors import DataError
 
-__all__ = ["CELLS", "COLUMNS", "DEPTH", "LINE", "LOG_LINE", "NAME", "WHOLE", "Guarded"]
-__all__ += ["from_json", "refuse_cells", "refuse_names", "too_long"]
-
 LINE = 1 << 22
 """Bytes of a line, or of a quoted field with the lines in it: 16,384 columns of 256 bytes; judgement."""
 
@@ -50,17 +47,8 @@ def too_long(path: object, number: int, most: int = LINE) -> DataError:
 class Guarded(io.BufferedIOBase):
     """A binary file that refuses a line that is too long when it is met, not when it is in memory.
 
-    A document of JSON may be one line, so that its lines may be longer.
-
-    Parameters
-    ----------
-    path : path
-        How messages name it.
-
-    Raises
-    ------
-    DataError
-        With the number of the line.
+    A document of JSON may be one line, so that its lines may be longer. Raises `DataError` with the path and
+    the number of the line.
     """
 
     def __init__(self, file: IO[bytes], path: object) -> None:
@@ -120,41 +108,32 @@ class Guarded(io.BufferedIOBase):
 def refuse_names(names: Iterable[object], where: object) -> None:
     """Refuse too many columns, or a name that is too long to be one.
 
-    Raises
-    ------
-    DataError
-        With the place of the column.
+    Raises `DataError` with the place of the column.
     """
     held = list(names)
     if len(held) > COLUMNS:
-        message = (
+        raise DataError(
             f"{where} has {len(held):,} columns, and {COLUMNS:,} are the most; keep those that are needed"
         )
-        raise DataError(message)
     for place, name in enumerate(held, 1):
         if isinstance(name, str) and len(name) > NAME:
-            message = (
+            raise DataError(
                 f"{where}: the name of column {place} has {len(name):,} characters ('{name[:40]}...'), and "
                 f"{NAME:,} are the most; shorten it"
             )
-            raise DataError(message)
 
 
 def refuse_cells(rows: int, columns: int, filled: int, where: object) -> None:
     """Refuse a table that is almost empty, and so large that it would fill the memory.
 
-    Raises
-    ------
-    DataError
-        With its size.
+    Raises `DataError` with its size.
     """
     if rows * columns > max(CELLS, 10 * filled):
-        message = (
+        raise DataError(
             f"{where} has {rows:,} rows and {columns:,} columns, so {rows * columns:,} cells, of which "
             f"{filled:,} have a value; {CELLS:,} are the most where so few have one: remove what is far from "
             "the table, or save the table alone as CSV"
         )
-        raise DataError(message)
 
 
 def from_json(text: str, **options: Any) -> Any:

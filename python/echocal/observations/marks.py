@@ -1,6 +1,6 @@
 """Rules by which rows are marked, row by row, with what a diagnosis found in a whole table."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from numbers import Real
 from typing import Any, Literal, get_args
@@ -8,21 +8,10 @@ from typing import Any, Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
+from echocal.arrays import Column, Mask
 from echocal.errors import ModelError
 from echocal.observations.table import Observations
 
-__all__ = [
-    "MARKS",
-    "NEIGHBORS",
-    "RowRule",
-    "apart_from_neighbors",
-    "marked",
-    "rules_from",
-    "seconds",
-]
-
-Column = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 Kind = Literal["equals", "at least", "at most", "during", "run", "far from reference", "far from neighbors"]
 
 MARKS = "row_marks"
@@ -67,12 +56,10 @@ class RowRule:
 
     def __post_init__(self) -> None:
         if self.kind not in get_args(Kind) or self.sign not in _SIGNS:
-            message = f"no rule for rows: kind {self.kind!r}, sign {self.sign!r}"
-            raise ModelError(message)
+            raise ModelError(f"no rule for rows: kind {self.kind!r}, sign {self.sign!r}")
         for name in ("value", "tolerance", "length", "deviation", "part"):
             if not isinstance(getattr(self, name), Real):
-                message = f"a rule for rows has the {name} {getattr(self, name)!r}; give a number"
-                raise ModelError(message)
+                raise ModelError(f"a rule for rows has the {name} {getattr(self, name)!r}; give a number")
 
     @property
     def context(self) -> int:
@@ -89,13 +76,11 @@ class RowRule:
 def rules_from(plain: object) -> tuple[RowRule, ...]:
     """Rules from the data of a model file. Raises `ModelError` if it is no list of rules."""
     if not isinstance(plain, list | tuple) or not all(isinstance(own, Mapping) for own in plain):
-        message = f"the rules for rows are no list of objects: {plain!r:.60}"
-        raise ModelError(message)
+        raise ModelError(f"the rules for rows are no list of objects: {plain!r:.60}")
     try:
         return tuple(RowRule(**own) for own in plain)
     except TypeError as error:
-        message = f"a rule for rows cannot be read: {error}"
-        raise ModelError(message) from None
+        raise ModelError(f"a rule for rows cannot be read: {error}") from None
 
 
 def marked(
@@ -195,15 +180,8 @@ def apart_from_neighbors(values: Column) -> Column:
 def _runs(values: Column, length: int, *, whole: bool) -> Mask:
     """Rows of runs of so many equal values or more, with the first row of each or without."""
     rows = np.zeros(len(values), dtype=bool)
-    for first, last in _ranges(values):
-        if last - first >= length:
-            rows[first + (not whole) : last] = True
-    return rows
-
-
-def _ranges(values: Column) -> Iterator[tuple[int, int]]:
-    new = np.ones(len(values), dtype=bool)
-    new[1:] = ~(values[1:] == values[:-1])
+    new = np.append(True, ~(values[1:] == values[:-1]))
     starts = np.append(np.flatnonzero(new), len(values))
-    long = np.flatnonzero(np.diff(starts) > 1)
-    yield from zip(starts[long].tolist(), starts[long + 1].tolist(), strict=True)
+    for run in np.flatnonzero(np.diff(starts) >= max(length, 2)):
+        rows[starts[run] + (not whole) : starts[run + 1]] = True
+    return rows

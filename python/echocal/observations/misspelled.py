@@ -8,9 +8,8 @@ from echocal.errors import AbsentError, DataError
 from echocal.keywords import keyword
 from echocal.observations.names import phrase
 from echocal.observations.plan import Assignment
-from echocal.observations.units import FORMS, Form
-
-__all__ = ["meant", "misspelled", "naming"]
+from echocal.observations.units import FORMS
+from echocal.quantities import Form
 
 _LONGEST = 80  # letters of a name that is compared: the time goes with their square
 _MISSPELLED = 0.75  # likeness from which on a name is taken for another one misspelled
@@ -38,8 +37,7 @@ def naming(names: Collection[str]) -> Iterator[None]:
     try:
         yield
     except AbsentError as error:
-        message = f"{error}{misspelled(error.quantity, names)}"
-        raise DataError(message) from None
+        raise DataError(f"{error}{misspelled(error.quantity, names)}") from None
 
 
 def meant(others: Collection[str], forms: Collection[Form]) -> dict[str, str]:

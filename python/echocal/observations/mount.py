@@ -8,16 +8,6 @@ from echocal.model import Model
 from echocal.observations.names import BELOW, EXTRA, IGNORE, by_request, is_level_name
 from echocal.observations.plan import Assignment, Plan
 
-__all__ = ["HEIGHT_FITTED", "LEAST", "MOUNT_HEIGHT", "holds_level", "is_level", "kept_height", "level_zero"]
-__all__ += [
-    "mount_height",
-    "mounted",
-    "mounted_as",
-    "refuse_unmounted",
-    "with_named_levels",
-    "without_height",
-]
-
 MOUNT_HEIGHT, HEIGHT_FITTED = "mount_height_m", "mount_height_fitted"
 """What a model keeps of the levels of its diagnosis."""
 _HEIGHTS = (0.0, 100.0)  # m: as far as a distance
@@ -27,10 +17,7 @@ LEAST = 8  # rows with a distance beside the level, from which on the height is 
 def mounted(requests: Mapping[str, str], height: float | None) -> dict[str, str]:
     """Meanings of columns, each level with the height of the sensor above its zero, if it has none yet.
 
-    Raises
-    ------
-    UsageError
-        If a height is given and is none, or every level has another one.
+    Raises `UsageError` if a height is given and is none, or every level has another one.
 
     Examples
     --------
@@ -40,22 +27,20 @@ def mounted(requests: Mapping[str, str], height: float | None) -> dict[str, str]
     if height is None:
         return dict(requests)
     if not _HEIGHTS[0] < height <= _HEIGHTS[1]:
-        message = (
+        raise UsageError(
             f"{keyword('mount_height', height)}: the height of the sensor above the zero of the level is in "
             f"m, above {_HEIGHTS[0]:g} and at most {_HEIGHTS[1]:g}"
         )
-        raise UsageError(message)
     levels = [name for name, own in requests.items() if is_level(name, own)]
     if not levels:
         return dict(requests)
     own = {name: requests[name].partition(BELOW)[2] for name in levels}
     if not any(above in ("", f"{height!r} m") for above in own.values()):
         name, above = next(iter(own.items()))
-        message = (
+        raise UsageError(
             f"{keyword('mount_height', height)} is for no level: '{name}' has a height of its own, {above}; "
             f"leave one of them out"
         )
-        raise UsageError(message)
     return {**requests, **_below(levels, requests, height)}
 
 
@@ -69,10 +54,7 @@ def with_named_levels(
 ) -> dict[str, str]:
     """Meanings of columns; a height makes those levels that are called as echocal calls levels.
 
-    Raises
-    ------
-    UsageError
-        If a height is given, and no column is a level.
+    Raises `UsageError` if a height is given, and no column is a level.
 
     Examples
     --------
@@ -83,11 +65,10 @@ def with_named_levels(
         return dict(requests)
     found = {name: name for name in names if name not in requests and is_level_name(name)}
     if not found:
-        message = (
+        raise UsageError(
             f"{keyword('mount_height', height)} is for a column that holds a level; say which: "
             f"{keyword('columns', {'NAME': 'level_m'})}, or 'reference_level_m' for the reference"
         )
-        raise UsageError(message)
     return {**requests, **mounted(found, height)}
 
 
@@ -136,11 +117,10 @@ def mounted_as(requests: Mapping[str, str], model: Model) -> Mapping[str, str]:
     fitted = f"{BELOW}{kept!r} m"
     other = [name for name in own if own[name] == levels[name] and not own[name].endswith(fitted)]
     if model.provenance.get(HEIGHT_FITTED) and other:
-        message = (
+        raise UsageError(
             f"'{levels[other[0]]}': the diagnosis of the model fitted the mount height, {kept:g} m, together "
             f"with a zero error; leave {keyword('mount_height')} out, or give it to the diagnosis"
         )
-        raise UsageError(message)
     return {**requests, **own}
 
 

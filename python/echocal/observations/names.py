@@ -5,20 +5,8 @@ from dataclasses import replace
 
 from echocal.errors import DataError, UsageError, among
 from echocal.keywords import command_line, keyword
-from echocal.observations.units import FORMS, NAMES, THERMOMETER, UNIT_WORDS, Form, symbol_of
-
-__all__ = [
-    "BELOW",
-    "EXTRA",
-    "IGNORE",
-    "INSPECT",
-    "by_name",
-    "by_request",
-    "is_level_name",
-    "looks_like",
-    "phrase",
-    "unit_of",
-]
+from echocal.observations.units import FORMS, NAMES, THERMOMETER, UNIT_WORDS, symbol_of
+from echocal.quantities import Form
 
 EXTRA = "extra"
 BELOW = " below "
@@ -39,10 +27,7 @@ _PHRASE = re.compile(r"(?P<words>.+?)(?:\s+in\s+(?P<unit>.+)|\s*[\[(](?P<bracket
 def by_name(column: str) -> tuple[Form, str] | None:
     """Form and unit of a column that is named in echocal's way, None for any other name.
 
-    Raises
-    ------
-    DataError
-        If the name begins like one of echocal's and its unit is missing or unknown.
+    Raises `DataError` if the name begins like one of echocal's and its unit is missing or unknown.
     """
     found = _exact(column)
     if found and found[0].level:
@@ -59,12 +44,11 @@ def by_name(column: str) -> tuple[Form, str] | None:
     if weak or "_" in unit:  # a longer name is somebody's own: wind_direction_deg
         return None
     what = f"unknown unit '{unit}'" if unit else "no unit"
-    message = (
+    raise DataError(
         f"column '{column}' has {what}; accepted: {', '.join(form.names)}. Rename it, or say what it is: "
         f"{keyword('columns', {column: form.names[0]})}, or {keyword('columns', {column: EXTRA})} for a "
         f"column of another kind; {INSPECT}"
     )
-    raise DataError(message)
 
 
 def is_level_name(column: str) -> bool:
@@ -82,10 +66,8 @@ def is_level_name(column: str) -> bool:
 def by_request(column: str, request: str) -> tuple[Form, str] | None:
     """Form and unit that the user asks for, None for `EXTRA`.
 
-    Raises
-    ------
-    UsageError
-        If the request is neither a name (``reading_m``) nor a phrase (``distance reading in m``).
+    Raises `UsageError` if the request is neither a name (``reading_m``) nor a phrase (``distance reading in
+    m``).
     """
     request = request.strip()
     if request == EXTRA:
@@ -95,19 +77,18 @@ def by_request(column: str, request: str) -> tuple[Form, str] | None:
         return (_below(found[0], column, above), found[1]) if above else found
     form = _form_of(meaning)
     if form is not None:
-        message = f"'{column}' = '{request}' has no known unit; accepted: {', '.join(form.names)}"
-        raise UsageError(message)
+        raise UsageError(f"'{column}' = '{request}' has no known unit; accepted: {', '.join(form.names)}")
     known = among(request, [*NAMES, EXTRA, IGNORE], "accepted:")
-    message = f"'{column}' = '{request}' names no quantity{known}"
-    raise UsageError(message)
+    raise UsageError(f"'{column}' = '{request}' names no quantity{known}")
 
 
 def _below(form: Form, column: str, height: str) -> Form:
     """A level that is counted down from the height of the sensor."""
     match = re.fullmatch(r"(?P<height>[-+.\de]+) m", height)
     if match is None or not form.level:
-        message = f"'{column}': a level is written like 'level_cm below 2.6 m', got '... below {height}'"
-        raise UsageError(message)
+        raise UsageError(
+            f"'{column}': a level is written like 'level_cm below 2.6 m', got '... below {height}'"
+        )
     meters = float(match["height"])
     units = {name: unit.below(meters) for name, unit in form.units.items()}
     return replace(form, units=units, mount_height=meters)

@@ -9,25 +9,11 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
+from echocal.arrays import Column
 from echocal.errors import DataError, UsageError, among
 from echocal.keywords import keyword
 from echocal.observations.fields import fields, row, shown
-
-__all__ = [
-    "EMPTY",
-    "EXACT",
-    "NO_ECHO",
-    "NO_NUMBER",
-    "NUMBER",
-    "SILENT",
-    "Damage",
-    "Missing",
-    "number_of",
-    "says_no_echo",
-    "to_numbers",
-]
 
 _GROUPED = re.compile(r"[-+]?\d{1,3}([.,' ])\d{3}(?:(?:\1\d{3})*(?!\1)[.,]\d+|(?:\1\d{3})+)")
 NUMBER = re.compile(r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?")
@@ -44,26 +30,12 @@ EMPTY = frozenset(
 """Texts that mean "no value" in any column."""
 
 NO_NUMBER = EMPTY | {
-    *(
-        "-",
-        "--",
-        "---",
-        "#NV",
-        "n.a.",
-        "none",
-        "undefined",
-        "unavailable",
-        "unknown",
-        "Nan",
-        "INF",
-        "-INF",
-    )
-}
+    "-", "--", "---", "#NV", "n.a.", "none", "undefined", "unavailable", "unknown", "Nan", "INF", "-INF",
+}  # fmt: skip
 """Texts that mean "no value" in a column of numbers."""
 
 _FEW = 10  # of so many fields, one may be no number
 
-Column = NDArray[np.float64]
 NO_ECHO = "no echo"
 """Reason of a row whose line says that no echo came."""
 
@@ -88,13 +60,7 @@ _ECHO_OF_CODE = re.compile(r"\s+warnings\.warn\(")
 
 
 class Missing:
-    """The error codes that mean "no value", in the units of the file.
-
-    Parameters
-    ----------
-    codes : collection, or mapping of str to collection
-        Codes for every column, or by column; each a number or a text.
-    """
+    """The error codes that mean "no value", for every column or by column, in the units of the file."""
 
     def __init__(self, codes: Collection[Any] | Mapping[str, Any] = ()) -> None:
         by_column = codes if isinstance(codes, Mapping) else {"": codes}
@@ -107,8 +73,9 @@ class Missing:
         """Refuse codes for a column that is not there."""
         absent = sorted(set(self._codes) - {"", *columns})
         if absent:
-            message = f"error codes for column '{absent[0]}', which is not there{among(absent[0], columns)}"
-            raise UsageError(message)
+            raise UsageError(
+                f"error codes for column '{absent[0]}', which is not there{among(absent[0], columns)}"
+            )
 
     def texts(self, column: str) -> frozenset[str]:
         """Codes of a column, as text."""
@@ -158,13 +125,11 @@ def to_numbers(
         Whether the column goes on elsewhere: then `corrupt` takes all of them, and `Damage` judges the whole.
     """
     if pd.api.types.is_datetime64_any_dtype(values) or pd.api.types.is_timedelta64_dtype(values):
-        message = f"column '{column}' holds {values.dtype}, not numbers"
-        raise DataError(message)
+        raise DataError(f"column '{column}' holds {values.dtype}, not numbers")
     if pd.api.types.is_complex_dtype(values):
-        message = (
+        raise DataError(
             f"column '{column}' holds complex numbers ({values.dtype}); give the real part, or its magnitude"
         )
-        raise DataError(message)
     if pd.api.types.is_numeric_dtype(values):
         numbers = values.to_numpy(dtype=np.float64, na_value=np.nan, copy=True)
     else:
@@ -186,11 +151,10 @@ def _parse(
     if corrupt is not None and (part or not Damage.of(texts.iloc[wrong]).is_refused(len(texts))):
         corrupt += wrong.tolist()
     elif len(wrong):
-        message = (
+        raise DataError(
             f"column '{column}' has text in {len(wrong)} of {len(texts)} rows, "
             f"first at {row(wrong[0])}: '{shown(texts.iloc[wrong[0]])}'; {_hint(texts.iloc[wrong])}"
         )
-        raise DataError(message)
     return numbers
 
 

@@ -10,19 +10,13 @@ from echocal.observations.layout import Layout
 from echocal.observations.mount import mounted, with_named_levels
 from echocal.observations.plan import read_columns
 
-__all__ = ["ReadOptions"]
-
 
 @dataclass(frozen=True, kw_only=True)
 class ReadOptions:
     """How a table is read: what keywords, flags of commands and jobs of workers say.
 
-    The attributes are the arguments of `echocal.read_observations`.
-
-    Raises
-    ------
-    UsageError
-        If an option has no meaning.
+    The attributes are the arguments of `echocal.read_observations`. Raises `UsageError` if an option has no
+    meaning.
 
     Examples
     --------
@@ -56,13 +50,16 @@ class ReadOptions:
     def __post_init__(self) -> None:
         height = None if self.mount_height is None else float(self.mount_height)
         speed = None if self.reading_speed is None else str(self.reading_speed)
+        codes: Any = self.missing
+        if not isinstance(codes, Mapping | str):
+            codes = tuple(codes) if isinstance(codes, Collection) else (codes,)
         said = read_columns(self.columns)
         requests = mounted(said, height)
         made = {
             "requests": requests,
             "columns": said or None,
             "reading_speed": speed,
-            "missing": self.missing if isinstance(self.missing, Mapping | str) else _listed(self.missing),
+            "missing": codes,
             "trust": _names(self.trust),
             "at": {name: str(value) for name, value in (self.at or {}).items()} or None,
             "mount_height": height,
@@ -80,10 +77,7 @@ class ReadOptions:
     def requests_of(self, columns: Collection[str]) -> dict[str, str]:
         """Meaning of the columns of a log; of those that only the log of the reference has, none.
 
-        Raises
-        ------
-        UsageError
-            If a mount height is given, and no column is a level.
+        Raises `UsageError` if a mount height is given, and no column is a level.
         """
         requests = with_named_levels(columns, self.requests, self.mount_height)
         if self.reference is None:
@@ -98,17 +92,12 @@ class ReadOptions:
 def _names(trust: Any) -> tuple[str, ...]:
     listed = [trust] if isinstance(trust, str) else trust
     if not isinstance(listed, Collection) or not all(isinstance(name, str) for name in listed):
-        message = f'trust lists names of columns, ["temperature_C"]; got {trust!r}'
-        raise UsageError(message)
+        raise UsageError(f'trust lists names of columns, ["temperature_C"]; got {trust!r}')
     return tuple(listed)
 
 
 def _same(value: Any, usual: Any) -> bool:
     return value is usual or (isinstance(value, type(usual)) and value == usual)
-
-
-def _listed(codes: Any) -> tuple[Any, ...]:
-    return tuple(codes) if isinstance(codes, Collection) else (codes,)
 
 
 def _plain(value: Any) -> Any:

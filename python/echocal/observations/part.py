@@ -5,8 +5,8 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from echocal.arrays import Column
 from echocal.observations.checks import impossible
 from echocal.observations.fields import fields
 from echocal.observations.numbers import Damage
@@ -14,10 +14,6 @@ from echocal.observations.plan import Assignment
 
 if TYPE_CHECKING:
     import pandas as pd
-
-__all__ = ["Part", "Seen"]
-
-Column = NDArray[np.float64]
 
 
 @dataclass

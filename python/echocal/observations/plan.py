@@ -9,9 +9,7 @@ from typing import Any
 from echocal.errors import DataError, UsageError, among
 from echocal.keywords import keyword
 from echocal.observations.names import EXTRA, IGNORE, by_name, by_request
-from echocal.observations.units import Form, Unit
-
-__all__ = ["EVERYTHING", "Assignment", "Plan", "make", "read_columns", "refuse_absent"]
+from echocal.quantities import Form, Unit
 
 EVERYTHING = "*"
 """Trusted in place of a column: no column is refused, however strange, for a diagnosis to explain."""
@@ -58,30 +56,30 @@ def read_columns(columns: Mapping[str, str] | str | Path | None) -> dict[str, st
     if isinstance(columns, Mapping):
         return {str(column).strip(): str(request) for column, request in columns.items()}
     if not isinstance(columns, str | Path):
-        message = f'columns map names to what they hold, {{"SR_U": "reading_m"}}; got {columns!r}'
-        raise UsageError(message)
+        raise UsageError(f'columns map names to what they hold, {{"SR_U": "reading_m"}}; got {columns!r}')
     path = Path(columns)
-    try:
-        pairs: dict[str, Any] = tomllib.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        message = f"column file {path} cannot be read: {error.strerror}"
-        raise UsageError(message) from None
-    except ValueError as error:  # not TOML, not UTF-8
-        message = f'column file {path} is not TOML: {error}; a line is "SR_U" = "reading_m"'
-        raise UsageError(message) from None
+    pairs = toml_of(path, "column file", '; a line is "SR_U" = "reading_m"')
     wrong = [column for column, request in pairs.items() if not isinstance(request, str)]
     if wrong:
-        message = f'column file {path}: "{wrong[0]}" is no text; a line is "SR_U" = "reading_m"'
-        raise UsageError(message)
+        raise UsageError(f'column file {path}: "{wrong[0]}" is no text; a line is "SR_U" = "reading_m"')
     return {column.strip(): request for column, request in pairs.items()}
+
+
+def toml_of(path: Path, what: str, way_out: str = "") -> dict[str, Any]:
+    """What a TOML file holds. Raises `UsageError` if it cannot be read."""
+    try:
+        return tomllib.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise UsageError(f"{what} {path} cannot be read: {error.strerror}") from None
+    except ValueError as error:  # not TOML, not UTF-8
+        raise UsageError(f"{what} {path} is not TOML: {error}{way_out}") from None
 
 
 def refuse_absent(names: Iterable[str], columns: Collection[str]) -> None:
     """Raise `UsageError` where a name is none of a column."""
     for name in names:
         if name not in columns and name != EVERYTHING:
-            message = f"no column '{name}'{among(name, columns, 'the table has:')}"
-            raise UsageError(message)
+            raise UsageError(f"no column '{name}'{among(name, columns, 'the table has:')}")
 
 
 def make(columns: Collection[str], requests: Mapping[str, str], trusted: Collection[str] = ()) -> Plan:
@@ -118,9 +116,8 @@ def make(columns: Collection[str], requests: Mapping[str, str], trusted: Collect
 
 
 def _refuse_second(first: str, second: str, quantity: str) -> None:
-    message = (
+    raise DataError(
         f"columns '{first}' and '{second}' both hold {quantity.replace('_', ' ')}; "
         f"say which not to use: {keyword('columns', {second: IGNORE})} (or "
         f"{keyword('columns', {second: EXTRA})})"
     )
-    raise DataError(message)

@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
+from echocal.arrays import Column
 from echocal.errors import EchocalError
 from echocal.keywords import command_line
 from echocal.observations.alike import follows
@@ -19,31 +19,19 @@ from echocal.observations.doubtful import doubtful_in
 from echocal.observations.fields import is_empty, shown
 from echocal.observations.found import Found
 from echocal.observations.hints import completed, hint, is_time_name, role_of, role_of_unit
+from echocal.observations.mount import is_level
 from echocal.observations.names import EXTRA, IGNORE, by_name, by_request, is_level_name
 from echocal.observations.units import NAMES, has_foreign_unit, split_unit, symbol_of
 from echocal.observations.vocabulary import LENGTH, LEVELS, TOKEN
 
-__all__ = ["Proposal", "codes_in", "propose", "unfit"]
-
-Column = NDArray[np.float64]
-
 
 @dataclass(frozen=True)
 class Proposal:
-    """What a column may hold.
+    """What a column may hold."""
 
-    Attributes
-    ----------
-    request : str
-        As in `columns`; empty for a column that is no quantity.
-    reason : str
-    guess : bool
-        Whether it may be wrong: only the values say it.
-    """
-
-    request: str
+    request: str  # as in `columns`; empty for a column that is no quantity
     reason: str
-    guess: bool = False
+    guess: bool = False  # whether it may be wrong: only the values say it
 
     @property
     def quantity(self) -> str:
@@ -59,7 +47,7 @@ def propose(table: pd.DataFrame, found: Found, given: Mapping[str, str]) -> dict
     proposals = {name: _of_name(name, sure, given, found) for name in columns}
     told = {n: why.partition(";")[0].partition(" and is not")[0] for n, why in doubtful.items()}
     proposals |= {n: Proposal("", why) for n, why in told.items() if not proposals[n].request}
-    held = {quantity for p in proposals.values() if (quantity := _quantity(p.request))}
+    held = {quantity for p in proposals.values() if (quantity := p.quantity)}
     for name in (n for n in columns if is_level_name(n) and not proposals[n].request):
         if name not in given and (quantity := _quantity(name)) not in held:
             proposals[name] = Proposal(
@@ -94,11 +82,8 @@ def propose(table: pd.DataFrame, found: Found, given: Mapping[str, str]) -> dict
             _tell_rival(name, _quantity(request), proposals)
     if not {"reading", "echo_time"} & held or "temperature" not in held:
         _by_values(table, found, proposals, held, {name for name in roles if roles[name]})
-    if not {"reading", "echo_time"} & held:
-        _reference_as_reading(table, proposals, given)
-    elif "reading" not in held:
-        _ruler_beside(table, proposals, given)
-        _computed(table, proposals, given)
+    if "reading" not in held:
+        _distance_as_reading(table, proposals, given)
     return proposals
 
 
@@ -205,74 +190,60 @@ def _by_values(
 def _reference(table: pd.DataFrame, proposals: Mapping[str, Proposal]) -> tuple[str, Column] | None:
     """The column that is the reference distance by its name, and its values [m]; None without one."""
     for name, own in proposals.items():
-        found = by_request(name, own.request) if _quantity(own.request) == "reference_distance" else None
-        numbers = None if found is None or found[0].level or own.guess else _numbers(table[name])
-        if found is not None and numbers is not None:
-            return name, np.asarray(found[0].units[found[1]].to_si(numbers))
+        if own.quantity == "reference_distance" and not own.guess and not is_level(name, own.request):
+            values = _si(table, name, proposals)
+            if values is not None:
+                return name, values
     return None
 
 
-def _ruler_beside(table: pd.DataFrame, proposals: dict[str, Proposal], given: Mapping[str, str]) -> None:
-    """The distance that a device computes from its echo, where a column is the reference by its name."""
-    rulers = [n for n, own in proposals.items() if role_of(n) == "distance" and not own.request]
-    held = [n for n, own in proposals.items() if _quantity(own.request) == "reference_distance"]
-    if len(rulers) != 1 or len(held) != 1 or {*rulers, *held} & {*given} or role_of(held[0]) == "distance":
-        return
-    (ruler,), (name,) = rulers, held
-    numbers = _numbers(table[ruler])
-    unit = split_unit(ruler)[1] or ("" if numbers is None else usual("distance", numbers))
-    reading = f"reading_{proposals[name].request.rpartition('_')[2]}"
-    if numbers is None or reading not in NAMES or not (request := _request("distance", unit)):
-        return
-    proposals[name] = Proposal(reading, f"a distance beside the echo, and '{ruler}'", guess=True)
-    proposals[ruler] = Proposal(request, "its name: the reference beside the reading", guess=True)
+def _distance_as_reading(
+    table: pd.DataFrame, proposals: dict[str, Proposal], given: Mapping[str, str]
+) -> None:
+    """The distance of a log, and no ruler by its name, as what the sensor reads.
 
-
-def _computed(table: pd.DataFrame, proposals: dict[str, Proposal], given: Mapping[str, str]) -> None:
-    """A distance that follows from the echo time in every row: the device computes it, nobody measured it.
-
-    A reference agrees with an echo only as well as both were measured; what is computed, as well as it is
-    written.
+    It is where the log has no echo, where a ruler stands beside it, or where it follows from the echo time in
+    every row: the device computes it, nobody measured it. A reference agrees with an echo only as well as
+    both were measured; what is computed, as well as it is written.
     """
-    held = {_quantity(own.request): name for name, own in proposals.items()}
-    echo, distance = held.get("echo_time"), held.get("reference_distance")
-    if echo is None or distance is None or distance in given or role_of(distance) == "distance":
+    held = {own.quantity: name for name, own in proposals.items()}
+    names = [name for name, own in proposals.items() if own.quantity == "reference_distance"]
+    if len(names) != 1 or names[0] in given or role_of(names[0]) == "distance":
         return
-    d, t = (_si(table, name, proposals) for name in (distance, echo))
-    air = _si(table, held["temperature"], proposals) if "temperature" in held else None
-    reading = f"reading_{proposals[distance].request.rpartition('_')[2]}"
-    if d is not None and t is not None and reading in NAMES and follows(d, t, air):
+    name, echo, air = names[0], held.get("echo_time", ""), held.get("temperature", "")
+    reading = f"reading_{proposals[name].request.rpartition('_')[2]}"
+    d, t, celsius = (_si(table, own, proposals) if own else None for own in (name, echo, air))
+    if d is None or reading not in NAMES:
+        return
+    ruler, request = _ruler(table, proposals, given)
+    if not echo:
+        why = "the only distance, and the log has no echo"
+    elif request:
+        why = f"a distance beside the echo, and '{ruler}'"
+    elif t is not None and follows(d, t, celsius):
         why = f"it follows from '{echo}': the device computes it"
-        proposals[distance] = Proposal(reading, why, guess=True)
+    else:
+        return
+    proposals[name] = Proposal(reading, why, guess=True)
+    if request:
+        proposals[ruler] = Proposal(request, "its name: the reference beside the reading", guess=True)
+
+
+def _ruler(
+    table: pd.DataFrame, proposals: Mapping[str, Proposal], given: Mapping[str, str]
+) -> tuple[str, str]:
+    """The only column that is a ruler by its name, and what it may be; empty without one."""
+    rulers = [n for n, own in proposals.items() if role_of(n) == "distance" and not own.request]
+    numbers = _numbers(table[rulers[0]]) if len(rulers) == 1 and rulers[0] not in given else None
+    if numbers is None:
+        return "", ""
+    return rulers[0], _request("distance", split_unit(rulers[0])[1] or usual("distance", numbers))
 
 
 def _si(table: pd.DataFrame, name: str, proposals: Mapping[str, Proposal]) -> Column | None:
     """Values of a column as its proposal has them [SI]; None where they are no numbers."""
     found, numbers = by_request(name, proposals[name].request), _numbers(table[name])
-    if found is None or numbers is None:
-        return None
-    return np.asarray(found[0].units[found[1]].to_si(numbers))
-
-
-def _reference_as_reading(
-    table: pd.DataFrame, proposals: dict[str, Proposal], given: Mapping[str, str]
-) -> None:
-    """The only distance of a log without an echo, as what the sensor reads."""
-    distances = [name for name, p in proposals.items() if _quantity(p.request or "") == "reference_distance"]
-    if len(distances) != 1 or distances[0] in given or _numbers(table[distances[0]]) is None:
-        return
-    if role_of(distances[0]) == "distance":  # a ruler is none, whatever else is missing
-        return
-    (name,) = distances
-    request = f"reading_{proposals[name].request.rpartition('_')[2]}"
-    if request not in NAMES:
-        return
-    proposals[name] = Proposal(request, "the only distance, and the log has no echo", guess=True)
-    rulers = [own for own, p in proposals.items() if role_of(own) == "distance" and not p.request]
-    if len(rulers) == 1 and (numbers := _numbers(table[rulers[0]])) is not None and rulers[0] not in given:
-        unit = split_unit(rulers[0])[1] or usual("distance", numbers)
-        if request := _request("distance", unit):
-            proposals[rulers[0]] = Proposal(request, "its name: the reference beside the reading", guess=True)
+    return None if found is None or numbers is None else found[0].units[found[1]].to_si(numbers)
 
 
 def _request(role: str, unit: str) -> str:

@@ -7,16 +7,12 @@ fastest for one place alone; the neighbor of that place is the extreme of the re
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from echocal import _core
-
-__all__ = ["MAD_TO_SD", "Grouped", "median", "quantiles", "spread"]
+from echocal.arrays import Column, Labels
 
 MAD_TO_SD = 1.4826
 """Standard deviation over median absolute deviation, of a normal distribution: 1 / Phi^-1(3/4)."""
-
-Column = NDArray[np.float64]
 
 _LARGE = 1000  # rows of a group that are worth a partition of their own
 
@@ -75,12 +71,7 @@ def quantiles(values: Column, parts: Sequence[float]) -> list[float]:
 
 
 class Grouped:
-    """Medians of groups of rows.
-
-    Parameters
-    ----------
-    labels : ndarray of int, shape (n,)
-        Group of each row, from 0 on.
+    """Medians of groups of rows, which are numbered from 0 on.
 
     Examples
     --------
@@ -89,10 +80,10 @@ class Grouped:
     [2.0, 6.0]
     """
 
-    def __init__(self, labels: NDArray[np.int64]) -> None:
+    def __init__(self, labels: Labels) -> None:
         self._labels = labels
         self._members = np.bincount(labels)
-        self._order: NDArray[np.int64] | None = None
+        self._order: Labels | None = None
         groups = len(self._members)
         if groups * _LARGE < len(labels) and groups < 1 << 16:
             self._order = np.argsort(labels.astype(np.uint16), kind="stable")  # 16 bits: by radix

@@ -3,11 +3,8 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-__all__ = ["FINEST_STEP", "QuantizationGrid", "find_grid"]
-
-Column = NDArray[np.float64]
+from echocal.arrays import Column
 
 FINEST_STEP = 2e-5
 """Smallest step of a device's readings [m]; a smaller one comes from arithmetic."""
@@ -21,23 +18,13 @@ _PRINTED = 1e-10  # relative error of a value that a formula has converted
 
 @dataclass(frozen=True)
 class QuantizationGrid:
-    """Values that are whole multiples of a step, apart from an offset.
-
-    Attributes
-    ----------
-    step : float
-    distinct : int
-        Number of different values among the rows that were used.
-    rows : int
-        Number of rows that were used.
-    repeated : int or None
-        Rows that repeat a reading at its distance, where they alone are evidence of the step.
-    """
+    """Values that are whole multiples of a step, apart from an offset."""
 
     step: float
-    distinct: int
-    rows: int
+    distinct: int  # number of different values among the rows that were used
+    rows: int  # number of rows that were used
     repeated: int | None = None
+    """Rows that repeat a reading at its distance, where they alone are evidence of the step."""
 
     @property
     def evidence(self) -> float:
@@ -48,17 +35,9 @@ class QuantizationGrid:
 
 
 def find_grid(values: Column) -> QuantizationGrid | None:
-    """Find the largest step of which all differences are multiples.
+    """Find the largest step of which all differences of values are multiples; NaN is a value that is missing.
 
-    Parameters
-    ----------
-    values : ndarray, shape (n,)
-        NaN where a value is missing.
-
-    Returns
-    -------
-    QuantizationGrid or None
-        None where values are not quantized, or too few differ.
+    None where values are not quantized, or too few differ.
     """
     known = np.isfinite(values)
     finite = values if known.all() else values[known]

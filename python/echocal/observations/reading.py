@@ -15,8 +15,6 @@ if TYPE_CHECKING:
 
     from echocal.observations.found import Found, Join
 
-__all__ = ["read_observations", "understood"]
-
 
 def read_observations(
     source: Any,
@@ -119,7 +117,7 @@ def read_observations(
     from echocal.observations.level import fitted
     from echocal.observations.numbers import Missing
     from echocal.observations.plan import make
-    from echocal.observations.second_log import second_log
+    from echocal.observations.second_log import with_reference
     from echocal.observations.source import load
 
     how = ReadOptions(
@@ -145,8 +143,7 @@ def read_observations(
     joins: dict[str, Join] = {}
     more: list[str] = []
     if reference is not None:
-        other = second_log(how, table.columns)
-        table, asked, joins, spread, more = other.added_to(table, asked, how)
+        table, asked, joins, spread, more = with_reference(table, asked, how)
     codes.refuse_unknown(table.columns)
     requests, found, said = understood(table, asked)
     requests, heights = fitted(table, requests, codes)
@@ -156,10 +153,15 @@ def read_observations(
     assembly.notes += [*found.notes, *said, *more, *heights]
     assembly.mark_corrupt(found.corrupt)
     observations = assembly.observations(reading_speed)
-    observations = replace(observations, mount_height_fitted=bool(heights), reference_join_uncertainty=spread)
-    observations = _with_joins(observations, {**found.joined, **joins})
-    if stated:
-        observations = replace(observations, stated=stated, notes=(*observations.notes, *sentences(stated)))
+    quantities = {column: quantity for quantity, column in observations.source_names.items()}
+    observations = replace(
+        observations,
+        mount_height_fitted=bool(heights),
+        reference_join_uncertainty=spread,
+        joined={quantities.get(name, name): join for name, join in {**found.joined, **joins}.items()},
+        stated=stated,
+        notes=(*observations.notes, *sentences(stated)),
+    )
     if not observations.usable.all():
         warnings.warn("; ".join(observations.notes), DataWarning, stacklevel=2)
     return observations
@@ -176,9 +178,3 @@ def understood(table: "pd.DataFrame", asked: Mapping[str, str]) -> tuple[dict[st
     requests, said = completed(list(table.columns), asked, found, doubtful)
     several = note_of(table, set(asked))
     return requests, found, [*said, *([several] if several else [])]
-
-
-def _with_joins(observations: Observations, joined: Mapping[str, "Join"]) -> Observations:
-    """The observations with how columns were joined, by quantity where they hold one."""
-    quantities = {column: quantity for quantity, column in observations.source_names.items()}
-    return replace(observations, joined={quantities.get(name, name): join for name, join in joined.items()})

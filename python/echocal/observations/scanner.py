@@ -16,8 +16,6 @@ from echocal.observations.found import CORRUPT, CUT
 from echocal.observations.layout import CUT_SIGN, Head
 from echocal.observations.limits import LINE, too_long
 
-__all__ = ["Block", "Scanner", "strings", "texts_of"]
-
 _MEND = 'remove it, or within a quoted field write it twice ("")'
 _SHOWN = 60  # characters of a line that a message shows
 
@@ -48,15 +46,8 @@ class Block:
 class Scanner:
     """Cuts what comes below a header into rows.
 
-    Within quotation marks a field may span lines. A stray mark must not swallow the rows that follow.
-
-    Parameters
-    ----------
-    name : str
-        How messages name the text.
-    head : Head
-    with_json : bool
-        Whether a line that begins with a brace is no row.
+    Within quotation marks a field may span lines. A stray mark must not swallow the rows that follow. Where
+    the text has JSON, too, a line that begins with a brace is no row. Messages name the text by `name`.
     """
 
     def __init__(self, name: str, head: Head, *, with_json: bool = False) -> None:
@@ -67,12 +58,7 @@ class Scanner:
     def scan(self, data: bytes, first: int, *, last: bool) -> tuple[Block, str]:
         """The whole lines at the beginning of some bytes, and what is wrong behind them.
 
-        Parameters
-        ----------
-        first : int
-            Number of the first line.
-        last : bool
-            Whether nothing comes behind the bytes: then a last line without an end is whole.
+        `first` is the number of the first line. Where the bytes are the last, a line without an end is whole.
         """
         lines = self._core.scan(data, last)
         return Block(lines, first), "" if lines.wrong is None else self._said(first, *lines.wrong)

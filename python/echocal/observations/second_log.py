@@ -1,119 +1,91 @@
 """A reference from another log: a tide gauge, a second logger; joined by time."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
+from echocal.arrays import Column
 from echocal.errors import DataError, UsageError
 from echocal.keywords import keyword
 from echocal.observations import clock
 from echocal.observations.found import Join, found_in, told
 from echocal.observations.hints import completed
 from echocal.observations.in_time import Clock, joined
+from echocal.observations.marks import seconds
 from echocal.observations.numbers import Missing, to_numbers
 from echocal.observations.options import ReadOptions
 from echocal.observations.plan import Assignment, make, refuse_absent
 from echocal.observations.source import load
-
-__all__ = ["SecondLog", "second_log"]
-
-Column = NDArray[np.float64]
 
 _FEWEST = 3  # values of which one is predicted by its neighbors
 _APART = 1.5
 """Variance of a value less the mean of its neighbors, of independent errors with variance 1."""
 
 
-@dataclass(frozen=True)
-class SecondLog:
-    """A log that has the reference of another one."""
+def with_reference(
+    table: pd.DataFrame, requests: Mapping[str, str], how: ReadOptions
+) -> tuple[pd.DataFrame, dict[str, str], dict[str, Join], float, list[str]]:
+    """A table with the reference of another log at its times; what the user says of a column is of both logs.
 
-    table: pd.DataFrame  # with its columns
-    requests: Mapping[str, str]  # meaning of those that the user tells
+    Raises `DataError` if one of both has no time, the other has no reference, or no row has a value near in
+    time.
 
-    def added_to(
-        self, table: pd.DataFrame, requests: Mapping[str, str], how: ReadOptions
-    ) -> tuple[pd.DataFrame, dict[str, str], dict[str, Join], float, list[str]]:
-        """A table with the reference at its times.
-
-        Raises `DataError` if one of both has no time, the other has no reference, or no row has a value near
-        in time.
-
-        Returns
-        -------
-        DataFrame
-        dict
-            Meaning of its columns.
-        dict
-            How the reference came to the rows, by its column.
-        float
-            Standard uncertainty of the reference by the join [m].
-        list of str
-            What a person should know.
-        """
-        own, said = _completed(self.table, self.requests)
-        held = make(list(self.table.columns), own).assignments
-        source = held.get("reference_distance")
-        if source is None:
-            message = (
-                f"the reference has no column of reference distances; it has "
-                f"{', '.join(self.table.columns)}: {keyword('columns', {'NAME': 'distance_m'})}, or "
-                "'reference_level_m'"
-            )
-            raise DataError(message)
-        planned = make(list(table.columns), _completed(table, requests)[0]).assignments
-        if "reference_distance" in planned:
-            message = (
-                f"the table has a reference distance, '{planned['reference_distance'].column}', and so has "
-                f"the reference, '{source.column}'; leave one out: "
-                f"{keyword('columns', {planned['reference_distance'].column: 'ignore'})}"
-            )
-            raise DataError(message)
-        rows = _times(table, planned, "the table", how)
-        times = _times(self.table, held, "the reference", how)
-        if rows[1] != times[1]:
-            message = (
-                "the times of the table and of the reference have no common zero: one has dates, and the "
-                "other counts; give both dates"
-            )
-            raise DataError(message)
-        values = to_numbers(self.table[source.column], source.column, Missing(how.missing), [])
-        at = Clock(np.concatenate([rows[0], times[0]]))
-        count, smooth = len(table), how.reference_join != "nearest"
-        places = np.arange(count), np.arange(count, count + len(values))
-        taken, join = joined(at, *places, values, smooth=smooth)
-        if not np.isfinite(taken).any():
-            message = (
-                f"no row of the table has a value of '{source.column}' near in time: the table goes from "
-                f"{_shown(rows)}, the reference from {_shown(times)}; a zone: "
-                f"{keyword('time_zone', '+01:00')}"
-            )
-            raise DataError(message)
-        name = source.column if source.column not in table.columns else f"{source.column} (reference)"
-        u = abs(source.unit.numerator / source.unit.denominator) * _uncertainty(times[0], values)
-        told_ = f"{told({name: join})[0]}; standard uncertainty of a value {1e3 * u:.2g} mm, by how well its "
-        meaning = own.get(source.column, source.name)
-        return (
-            table.assign(**{name: taken}),
-            {**requests, name: meaning},
-            {name: join},
-            u,
-            [*said, f"{told_}neighbors predict a value of the reference"],
-        )
-
-
-def second_log(how: ReadOptions, columns: Any) -> SecondLog:
-    """Read the log of the reference; what the user says of a column is said of both logs."""
+    Returns
+    -------
+    DataFrame
+    dict
+        Meaning of its columns.
+    dict
+        How the reference came to the rows, by its column.
+    float
+        Standard uncertainty of the reference by the join [m].
+    list of str
+        What a person should know.
+    """
     if how.reference_join not in ("interpolated", "nearest"):
-        message = f"{keyword('reference_join', how.reference_join)}: interpolated or nearest"
-        raise UsageError(message)
-    table = load(how.reference, how.layout)
-    refuse_absent(how.requests, list(dict.fromkeys([*columns, *table.columns])))
-    return SecondLog(table, how.requests_of(table.columns))
+        raise UsageError(f"{keyword('reference_join', how.reference_join)}: interpolated or nearest")
+    other = load(how.reference, how.layout)
+    refuse_absent(how.requests, list(dict.fromkeys([*table.columns, *other.columns])))
+    own, said = _completed(other, how.requests_of(other.columns))
+    held = make(list(other.columns), own).assignments
+    source = held.get("reference_distance")
+    if source is None:
+        raise DataError(
+            f"the reference has no column of reference distances; it has {', '.join(other.columns)}: "
+            f"{keyword('columns', {'NAME': 'distance_m'})}, or 'reference_level_m'"
+        )
+    planned = make(list(table.columns), _completed(table, requests)[0]).assignments
+    if "reference_distance" in planned:
+        raise DataError(
+            f"the table has a reference distance, '{planned['reference_distance'].column}', and so has "
+            f"the reference, '{source.column}'; leave one out: "
+            f"{keyword('columns', {planned['reference_distance'].column: 'ignore'})}"
+        )
+    rows, times = _times(table, planned, "the table", how), _times(other, held, "the reference", how)
+    if rows[1] != times[1]:
+        raise DataError(
+            "the times of the table and of the reference have no common zero: one has dates, and the "
+            "other counts; give both dates"
+        )
+    values = to_numbers(other[source.column], source.column, Missing(how.missing), [])
+    at = Clock(np.concatenate([rows[0], times[0]]))
+    count, smooth = len(table), how.reference_join != "nearest"
+    places = np.arange(count), np.arange(count, count + len(values))
+    taken, join = joined(at, *places, values, smooth=smooth)
+    if not np.isfinite(taken).any():
+        raise DataError(
+            f"no row of the table has a value of '{source.column}' near in time: the table goes from "
+            f"{_shown(rows)}, the reference from {_shown(times)}; a zone: {keyword('time_zone', '+01:00')}"
+        )
+    name = source.column if source.column not in table.columns else f"{source.column} (reference)"
+    u = abs(source.unit.numerator / source.unit.denominator) * _uncertainty(times[0], values)
+    said.append(
+        f"{told({name: join})[0]}; standard uncertainty of a value {1e3 * u:.2g} mm, by how well its "
+        "neighbors predict a value of the reference"
+    )
+    meaning = {**requests, name: own.get(source.column, source.name)}
+    return table.assign(**{name: taken}), meaning, {name: join}, u, said
 
 
 def _completed(table: pd.DataFrame, requests: Mapping[str, str]) -> tuple[dict[str, str], list[str]]:
@@ -126,19 +98,17 @@ def _times(
     """Seconds of each row, and whether they are those of a date."""
     source = held.get("elapsed_time")
     if source is None:
-        message = (
+        raise DataError(
             f"{whose} has no time, by which a reference is joined; it has {', '.join(table.columns)}: "
             f"{keyword('columns', {'NAME': 'time'})}"
         )
-        raise DataError(message)
     if source.name != "time":
         return np.asarray(
             source.unit.to_si(to_numbers(table[source.column], source.column, Missing(()), []))
         ), False
     zone = clock.zone_of(source.column, how.time_zone)
     instants, _ = clock.instants(table[source.column], source.column, zone, how.time_format)
-    seconds = instants.astype("datetime64[ns]").astype(np.int64) / 1e9
-    return np.where(np.isnat(instants), np.nan, seconds), True
+    return seconds(instants), True
 
 
 def _uncertainty(times: Column, values: Column) -> float:

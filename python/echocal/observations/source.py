@@ -17,8 +17,6 @@ from echocal.observations.file import TextFile
 from echocal.observations.layout import Layout
 from echocal.observations.limits import refuse_names
 
-__all__ = ["is_folder", "load", "refuse_unstreamed"]
-
 
 def load(source: Any, layout: Layout | None = None, *, sheet: str | None = None) -> pd.DataFrame:
     """Load a table, every row and every column of it.
@@ -44,14 +42,11 @@ def load(source: Any, layout: Layout | None = None, *, sheet: str | None = None)
     table.columns = pd.Index([str(name).strip() for name in table.columns], dtype=object)
     repeated = table.columns[table.columns.duplicated()]
     if len(repeated):
-        message = f"{where} has more than one column '{repeated[0]}'; rename all but one"
-        raise DataError(message)
+        raise DataError(f"{where} has more than one column '{repeated[0]}'; rename all but one")
     if not len(table.columns):
-        message = f"{where} has no columns"
-        raise DataError(message)
+        raise DataError(f"{where} has no columns")
     if table.empty:
-        message = f"{where} has a header ({', '.join(table.columns)}) and no rows"
-        raise DataError(message)
+        raise DataError(f"{where} has a header ({', '.join(table.columns)}) and no rows")
     return table
 
 
@@ -66,20 +61,16 @@ def is_folder(path: Path) -> bool:
 def refuse_unstreamed(file: TextFile) -> None:
     """Refuse a log that cannot be written again line by line.
 
-    Raises
-    ------
-    DataError
-        With the command that makes a table of it.
+    Raises `DataError` with the command that makes a table of it.
     """
     kind = readers.format_of(file)
     if not kind and file.head.nameless:
         kind = "text without a header"
     if kind:
-        message = (
+        raise DataError(
             f"{file.path} is {kind}, which cannot be kept line by line; make a table of it first: "
             + command_line("inspect", file.path, write="table.csv")
         )
-        raise DataError(message)
 
 
 def _file(file: TextFile, sheet: str | None) -> pd.DataFrame:
@@ -109,11 +100,10 @@ def _object(source: Any) -> pd.DataFrame:
             return _index_as_columns(source)
     if hasattr(source, "__dataframe__"):
         return pd.api.interchange.from_dataframe(source)
-    message = (
+    raise UsageError(
         f"expected a path, a table or a mapping of columns, got {type(source).__name__}; "
         "pandas.DataFrame(...) makes a table of most things"
     )
-    raise UsageError(message)
 
 
 def _index_as_columns(table: pd.DataFrame) -> pd.DataFrame:
@@ -135,8 +125,7 @@ def _xarray(source: Any) -> pd.DataFrame:
     try:
         table: pd.DataFrame = source.to_dataframe()
     except ValueError as error:  # no name
-        message = f"{type(source).__name__} is no table: {error}"
-        raise UsageError(message) from None
+        raise UsageError(f"{type(source).__name__} is no table: {error}") from None
     table.index.names = [name if name in source.coords else None for name in table.index.names]
     return _index_as_columns(table)
 
@@ -146,8 +135,7 @@ def _mapping(source: Mapping[Any, Any]) -> pd.DataFrame:
     shapes = {values.shape for values in columns.values()}
     if len(shapes) > 1 or any(len(shape) != 1 for shape in shapes):
         found = ", ".join(f"{name} {values.shape}" for name, values in columns.items())
-        message = f"columns must be one-dimensional and of equal length; got {found}"
-        raise DataError(message)
+        raise DataError(f"columns must be one-dimensional and of equal length; got {found}")
     texts = "OU"  # pandas keeps no half characters as text
     held = (pd.Series(v, dtype=object) if v.dtype.kind in texts else v for v in columns.values())
     table = pd.DataFrame(dict(enumerate(held)), copy=False)  # every column is copied when it is read
@@ -158,11 +146,13 @@ def _column(name: Any, values: Any) -> NDArray[Any]:
     try:
         column = unmasked(values)
     except ValueError:
-        message = f"column '{name}' holds lists of different lengths; give one value for each row"
-        raise DataError(message) from None
+        raise DataError(
+            f"column '{name}' holds lists of different lengths; give one value for each row"
+        ) from None
     except (RuntimeError, TypeError) as error:  # what says that it is an array, and is none
-        message = f"column '{name}' is a {type(values).__name__} that makes no array: {error}"
-        raise DataError(message) from None
+        raise DataError(
+            f"column '{name}' is a {type(values).__name__} that makes no array: {error}"
+        ) from None
     # NumPy makes a type without a unit of nothing but NaT
     bare = column.dtype.kind in "mM" and np.datetime_data(column.dtype)[0] == "generic"
     return column.astype(f"{column.dtype.kind}8[ns]") if bare else column

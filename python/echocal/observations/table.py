@@ -10,16 +10,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from echocal.arrays import Column
 from echocal.errors import DataError
 from echocal.keywords import keyword
 from echocal.shown import Shown
 
 if TYPE_CHECKING:
     from echocal.observations.found import Join
-
-__all__ = ["Observations"]
-
-Column = NDArray[np.float64]
 
 
 @dataclass(frozen=True, repr=False)
@@ -175,11 +172,10 @@ class Observations(Shown):
         if count < rows:
             counts = ", ".join(f"{number} {reason}" for reason, number in self.unusable_counts.items())
             noun = "row" if len(self) == 1 else "rows"
-            message = (
+            raise DataError(
                 f"{purpose} needs at least {rows} usable rows; the table has {count} of {len(self)} {noun}"
                 f"{f' (unusable: {counts})' if counts else ''}"
             )
-            raise DataError(message)
 
 
 def _no_thermometer(quantity: str, column: str, observations: Observations) -> str:

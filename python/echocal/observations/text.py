@@ -14,8 +14,6 @@ from echocal.observations.layout import Head
 from echocal.observations.numbers import EMPTY, EXACT
 from echocal.observations.scanner import Block, Scanner, texts_of
 
-__all__ = ["blocks_of", "read"]
-
 _PART = 1 << 24  # bytes that are scanned at a time
 _TRUTHS = {"True": True, "TRUE": True, "true": True, "False": False, "FALSE": False, "false": False}
 
@@ -81,11 +79,10 @@ def _refuse_wide(path: str, head: Head, blocks: Sequence[Block], count: int) -> 
     (number, fields), width = wide[0], len(head.names)
     comma = head.separator == "," and fields <= 2 * width
     hint = "; if its commas are decimal signs, quote such numbers, or write points" if comma else ""
-    message = (
+    raise DataError(
         f"{path} cannot be read as rows of {width} fields like its header: Expected {width} fields in line "
         f"{number}, saw {fields}{hint}"
     )
-    raise DataError(message)
 
 
 def _columns(blocks: Sequence[Block], head: Head, labels: Sequence[int]) -> list["pd.Series[Any]"]:

@@ -5,20 +5,6 @@ import re
 from echocal.quantities import QUANTITIES, Form, Unit
 from echocal.quantities.units import LENGTH, ONE_WAY_TIME, TEMPERATURE, TIME, TWO_WAY_LENGTH, Units
 
-__all__ = [
-    "FORMS",
-    "NAMES",
-    "THERMOMETER",
-    "UNIT_WORDS",
-    "WRITTEN",
-    "Form",
-    "Unit",
-    "has_foreign_unit",
-    "is_unit_row",
-    "split_unit",
-    "symbol_of",
-]
-
 _ECHO = (0.0, 0.5)  # 86 m out and back: beyond any ranger in air
 _ECHOES = (5e-5, 0.5)  # 9 mm: below any ranger's blanking distance
 _RANGE = (0.0, 100.0)
@@ -44,8 +30,8 @@ def _echo(role: str, units: Units, *words: str, holds: str) -> Form:
     return Form(role, "echo_time", units, words, _ECHO, _ECHOES, positive=True, holds=holds)
 
 
-def _length(role: str, quantity: str, units: Units, *words: str, holds: str) -> Form:
-    return Form(role, quantity, units, words, _RANGE, _RANGES, positive=True, holds=holds)
+def _length(role: str, quantity: str, units: Units, *words: str, holds: str, level: bool = False) -> Form:
+    return Form(role, quantity, units, words, _RANGE, _RANGES, positive=True, level=level, holds=holds)
 
 
 def _label(role: str, *words: str, holds: str, quantity: str = "") -> Form:
@@ -85,28 +71,14 @@ FORMS: tuple[Form, ...] = (
         "two-way distance",
         holds="reference distance, out and back",
     ),
-    Form(
+    _length(
         "level",
         "reading",
         LENGTH,
-        (),
-        _RANGE,
-        _RANGES,
-        positive=True,
-        level=True,
         holds="what the device indicates, counted upward: with a [mount height](logs.md#levels)",
-    ),
-    Form(
-        "reference_level",
-        "reference_distance",
-        LENGTH,
-        (),
-        _RANGE,
-        _RANGES,
-        positive=True,
         level=True,
-        holds="reference of a level",
     ),
+    _length("reference_level", "reference_distance", LENGTH, holds="reference of a level", level=True),
     *(form for quantity in QUANTITIES.values() for form in quantity.forms),
     THERMOMETER,
     _label("stand", holds="placement of the target that a row belongs to"),

@@ -2,26 +2,6 @@
 
 import re
 
-__all__ = [
-    "CLOCKS",
-    "CLOCK_UNITS",
-    "COUNTERS",
-    "ELAPSED",
-    "LENGTH",
-    "LETTERS",
-    "LEVELS",
-    "NEVER",
-    "NOT",
-    "NO_CLOCK",
-    "QUALITY",
-    "SINCE",
-    "STATISTIC",
-    "TIME",
-    "TIMES",
-    "TOKEN",
-    "WORDS",
-]
-
 LENGTH = ("m", "cm", "mm", "inch", "ft")
 TIME = ("us", "ms", "s")
 WORDS: dict[str, tuple[tuple[str, ...], set[str]]] = {
@@ -84,36 +64,15 @@ NOT = {
 """Words that make it something else."""
 
 LEVELS = {
-    "level",
-    "levels",
-    "stage",
-    "depth",
-    "pegel",
-    "waterlevel",
-    "wasserstand",
-    "snow",
-    "tiefe",
-    "niveau",
-}
+    "level", "levels", "stage", "depth", "pegel", "waterlevel", "wasserstand", "snow", "tiefe", "niveau",
+}  # fmt: skip
 """Words of what rises as the distance falls: its values are no distance, however usual they are for one."""
 
 LETTERS = {"t", "p", "d", "r"}
 
 NEVER = {
-    "max",
-    "min",
-    "std",
-    "stdev",
-    "sd",
-    "tmx",
-    "tmn",
-    "var",
-    "variance",
-    "error",
-    "err",
-    "diff",
-    "delta",
-}
+    "max", "min", "std", "stdev", "sd", "tmx", "tmn", "var", "variance", "error", "err", "diff", "delta",
+}  # fmt: skip
 """A statistic of several values, or what is no value."""
 
 TOKEN = re.compile(r"[A-Z]+(?=[A-Z][a-z])|[A-Z]?[a-zà-ÿ]+\d*|[A-Z]+\d*|\d+")
@@ -132,18 +91,9 @@ COUNTERS = {"millis": "time_ms", "millis()": "time_ms", "micros": "time_us", "mi
 
 CLOCK_UNITS = ("us", "ms", "s", "min", "h")
 SINCE = {
-    "timestamp",
-    "elapsed",
-    "uptime",
-    "ticks",
-    "seconds",
-    "zeit",
-    "time",
-    "millis",
-    "micros",
-    "runtime",
+    "timestamp", "elapsed", "uptime", "ticks", "seconds", "zeit", "time", "millis", "micros", "runtime",
     "clock",
-}
+}  # fmt: skip
 NO_CLOCK = {
     "flight", "echo", "pulse", "tof", "duration", "transit", "travel", "laufzeit", "response", "delay",
     "return",

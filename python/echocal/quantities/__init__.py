@@ -6,16 +6,9 @@ from echocal.quantities.table import ENTRIES
 from echocal.quantities.units import Unit
 
 __all__ = [
-    "AIR",
-    "BY_COLUMN",
-    "DEFAULTS",
-    "FROM_THERMOMETERS",
-    "QUANTITIES",
-    "Form",
-    "QuantityFacts",
-    "Shown",
+    "AIR", "BY_COLUMN", "DEFAULTS", "FROM_THERMOMETERS", "QUANTITIES", "Form", "QuantityFacts", "Shown",
     "Unit",
-]
+]  # fmt: skip
 
 
 _BY_NAME = {facts.id: facts for facts in ENTRIES}
@@ -25,11 +18,10 @@ def _entry(name: str) -> QuantityFacts:
     try:
         return _BY_NAME[name]
     except KeyError:
-        message = (
+        raise ImportError(
             f"the core has a quantity '{name}' (rust/core/src/conditions.rs) that has no entry in "
             "python/echocal/quantities/table.py; write this entry"
-        )
-        raise ImportError(message) from None
+        ) from None
 
 
 QUANTITIES: dict[str, QuantityFacts] = {facts["name"]: _entry(facts["name"]) for facts in _core.quantities()}

@@ -9,8 +9,6 @@ from echocal import _core
 from echocal.codes import HumidityCodes, TemperatureCodes
 from echocal.quantities.units import Unit
 
-__all__ = ["Form", "QuantityFacts", "Shown"]
-
 
 @dataclass(frozen=True)
 class Form:
@@ -164,11 +162,10 @@ class QuantityFacts:
     def __post_init__(self) -> None:
         core = _CORE.get(self.id)
         if core is None:
-            message = (
+            raise ImportError(
                 f"the core has no quantity '{self.id}'; add it to rust/core/src/conditions.rs, "
                 "then run: maturin develop --profile quick"
             )
-            raise ImportError(message)
         for name in ("unit", "default", "derived_from", "field_range", "field_from"):
             object.__setattr__(self, name, core[name])
         if not self.column:

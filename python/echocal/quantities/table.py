@@ -23,8 +23,6 @@ from echocal.quantities.units import (
     VOLTAGE,
 )
 
-__all__ = ["ENTRIES"]
-
 ENTRIES: tuple[QuantityFacts, ...] = (
     # Air temperature.
     QuantityFacts(

@@ -12,10 +12,6 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["ANGLE", "CLOCK", "FRACTION", "IRRADIANCE", "LENGTH", "MOLE_FRACTION", "ONE_WAY_TIME"]
-__all__ += ["PERCENT", "PRESSURE", "SPEED", "TEMPERATURE", "TIME", "TWO_WAY_LENGTH", "VOLTAGE"]
-__all__ += ["Unit", "Units", "in_cf", "printed"]
-
 Number = TypeVar("Number", float, NDArray[np.float64])
 
 

@@ -79,17 +79,8 @@ def read(file: TextFile, sheet: str | None = None) -> pd.DataFrame | None:
     with file.opened() as data, file.below(data, file.layout.skip_lines) as text:
         log = form.read(list(_lines(text, form)), str(file.path))
     table = log.table(str(file.path))
-    found = Found(
-        form.NAME,
-        log.units,
-        tuple(log.notes),
-        log.corrupt,
-        False,
-        log.requests,
-        tuple(log.requests),
-        log.joined,
-    )
-    return keep(table, found)
+    beside = (log.units, tuple(log.notes), log.corrupt, False, log.requests, tuple(log.requests), log.joined)
+    return keep(table, Found(form.NAME, *beside))
 
 
 def _lines(text: TextIO, form: ModuleType) -> Iterator[str]:

@@ -12,8 +12,6 @@ from echocal.observations.hints import hint
 from echocal.observations.names import by_name
 from echocal.observations.units import symbol_of
 
-__all__ = ["step"]
-
 _NUMBERED = re.compile(
     r"(?P<stem>.*?[^\d\s])[\s_.#-]*(?P<place>\d{1,3})(?P<unit>\s*[\[(].*[\])]|[ _](?:cm|mm|m|us|ms|in|inch))?"
 )

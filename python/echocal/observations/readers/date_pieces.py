@@ -11,12 +11,12 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
+from echocal.arrays import Column
 from echocal.observations.dates import DAY
+from echocal.observations.fields import floats
 from echocal.observations.found import Found
-
-__all__ = ["step"]
+from echocal.observations.readers.times import together
 
 _PIECES: dict[str, tuple[frozenset[str], tuple[int, int]]] = {
     "year": (frozenset({"year", "yyyy", "yr", "jahr", "annee", "año", "år"}), (1970, 2261)),
@@ -57,16 +57,19 @@ def step(table: pd.DataFrame, found: Found) -> tuple[pd.DataFrame, Found]:
     if "time" in table.columns and not pd.api.types.is_numeric_dtype(table["time"]):
         return table, found
     if beside := _beside_a_date(table):
-        return _joined(table, found, *beside)
+        hours = _in_hours({"hour": floats(table[beside[1]])}, {"hour": beside[1]})["hour"]
+        minutes = np.round(_MINUTES * hours)
+        clock = [None if np.isnan(m) else f"{int(m) // 60:02d}:{int(m) % 60:02d}" for m in minutes]
+        return together(table, found, *beside, clock)
     columns = _columns(table)
     days = {"month", "day"} if {"month", "day"} <= {*columns} else {"day_of_year"}
     if not {"year", *days} <= {*columns}:
         return table, found
     used = {piece: name for piece, name in columns.items() if piece in {"year", *days, *_clock(columns)}}
-    values = _in_hours({piece: _numbers(table[name]) for piece, name in used.items()}, used)
+    values = _in_hours({piece: floats(table[name]) for piece, name in used.items()}, used)
     if "hour" in values and "second" in columns and (values["hour"] % 1.0).any() and "minute" not in used:
         used["second"] = columns["second"]  # of hours and minutes as one number
-        values["second"] = _numbers(table[used["second"]])
+        values["second"] = floats(table[used["second"]])
     one_number = {"hour"} if "minute" not in used else set()
     finest = next(piece for piece in ("second", "minute", "hour", "day", "day_of_year") if piece in values)
     if not all(_is_piece(piece, own, piece in {finest, *one_number}) for piece, own in values.items()):
@@ -89,7 +92,7 @@ def _beside_a_date(table: pd.DataFrame) -> tuple[str, str] | None:
     clocks = [n for n in map(str, table) if _plain(n) in _HHMM - {"time"}]
     if "time" in table.columns or (len(days), len(clocks)) != (1, 1):
         return None
-    hours = _in_hours({"hour": _numbers(table[clocks[0]])}, {"hour": clocks[0]})["hour"]
+    hours = _in_hours({"hour": floats(table[clocks[0]])}, {"hour": clocks[0]})["hour"]
     return (days[0], clocks[0]) if _is_piece("hour", hours, finest=True) else None
 
 
@@ -98,22 +101,6 @@ def _are_days(values: pd.Series[Any]) -> bool:
     found = [DAY.fullmatch(str(own).strip()) for own in values.dropna() if str(own).strip()]
     sound = [own is not None and (own["clock"] or "00:00:00") in _MIDNIGHT for own in found]
     return bool(sound) and sum(sound) >= _SOUND * len(sound)
-
-
-def _joined(table: pd.DataFrame, found: Found, day: str, clock: str) -> tuple[pd.DataFrame, Found]:
-    """Text of both as times are written; none where the hours and minutes are no clock's."""
-    hours = _in_hours({"hour": _numbers(table[clock])}, {"hour": clock})["hour"]
-    minutes = np.round(_MINUTES * hours)
-    both = [
-        None
-        if np.isnan(own) or pd.isna(date) or not str(date).strip()
-        else f"{str(date).strip().split(' ')[0].split('T')[0]} {int(own) // 60:02d}:{int(own) % 60:02d}"
-        for date, own in zip(table[day], minutes, strict=True)
-    ]
-    requests = {**found.requests, day: "ignore", clock: "ignore"}
-    notes = (*found.notes, f"'{day}', '{clock}' are read together as time")
-    time = pd.Series(both, index=table.index, dtype=object)
-    return table.assign(time=time), replace(found, notes=notes, requests=requests)
 
 
 def _plain(name: object) -> str:
@@ -133,7 +120,7 @@ def _columns(table: pd.DataFrame) -> dict[str, str]:
     return found
 
 
-def _in_hours(values: dict[str, NDArray[np.float64]], used: dict[str, str]) -> dict[str, NDArray[np.float64]]:
+def _in_hours(values: dict[str, Column], used: dict[str, str]) -> dict[str, Column]:
     """The values, with hours in place of hours and minutes as one number; NaN where no clock shows it."""
     if "hour" not in values or "minute" in values:
         return values
@@ -151,12 +138,7 @@ def _clock(columns: dict[str, str]) -> list[str]:
     return [p for p in ("hour", "minute", "second") if p in columns and _COARSER.get(p, p) in columns]
 
 
-def _numbers(values: pd.Series[Any]) -> NDArray[np.float64]:
-    numbers = pd.to_numeric(values, errors="coerce")
-    return np.asarray(numbers.to_numpy(dtype=np.float64, na_value=np.nan))
-
-
-def _is_piece(piece: str, values: NDArray[np.float64], finest: bool) -> bool:
+def _is_piece(piece: str, values: Column, finest: bool) -> bool:
     """Whether the values may be this piece; only the finest one may have a fraction."""
     low, high = _PIECES[piece][1]
     sound = (values >= low) & (values < high + 1)
@@ -165,11 +147,11 @@ def _is_piece(piece: str, values: NDArray[np.float64], finest: bool) -> bool:
     return bool(len(values)) and float(sound.mean()) >= _SOUND
 
 
-def _seconds_of(days: NDArray[np.float64]) -> NDArray[np.float64]:
+def _seconds_of(days: Column) -> Column:
     return np.round(86400.0 * days, _DIGITS)
 
 
-def _dates(values: dict[str, NDArray[np.float64]]) -> pd.Series[Any]:
+def _dates(values: dict[str, Column]) -> pd.Series[Any]:
     """Midnights, and the fraction of a day; none where a piece is missing or impossible."""
     if "month" in values:
         parts = {"year": values["year"], "month": values["month"], "day": np.floor(values["day"])}

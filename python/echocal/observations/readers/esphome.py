@@ -9,14 +9,13 @@ import numpy as np
 import pandas as pd
 
 from echocal.keywords import keyword
+from echocal.observations.fields import floats
 from echocal.observations.numbers import says_no_echo
 from echocal.observations.readers.events import Event, ranger_names, rows_of
 from echocal.observations.readers.log import Log
 from echocal.observations.readers.pairs import pairs_of
 from echocal.observations.readers.stamps import Stamped, stamped
 from echocal.observations.units import NAMES, symbol_of
-
-__all__ = ["NAME", "read", "recognizes"]
 
 NAME = "log of ESPHome"
 
@@ -64,7 +63,7 @@ def read(lines: Sequence[str], path: str) -> Log:
     said = [own for own in said if own.kind != "other" or not states]  # each value is a state, too
     rangers = list(dict.fromkeys(own.sensor for own in said if own.kind in {"echo", "distance"}))
     said = [own for own in said if own.kind != "silent" or own.sensor in rangers]
-    log = Log([])
+    log = Log()
     for own in said:
         log.units |= {_column(name, own, rangers): unit for name, unit in own.units.items()}
     events = [_event(own, rangers) for own in said]
@@ -129,7 +128,7 @@ def _event(own: _Said, rangers: Sequence[str]) -> Event:
 
 def _settle(log: Log, columns: Sequence[str], sensor: str) -> None:
     """One reading, that with the most digits of those that are the same, and the echo time: both are sure."""
-    table = pd.DataFrame(list(log.records))
+    table = pd.DataFrame(log.records)
     lengths = [name for name in columns if symbol_of(log.units.get(name, "")) in {"m", "cm", "mm"}]
     if sensor in log.units or lengths:
         log.units.setdefault(sensor, log.units.get(lengths[0], "") if lengths else "")
@@ -141,7 +140,7 @@ def _settle(log: Log, columns: Sequence[str], sensor: str) -> None:
         best, other = (name, best) if finer == name else (best, name)
         log.notes.append(f"'{other}' is '{best}' with fewer digits and is left out")
         for record in log.records:
-            record.pop(other, None)  # type: ignore[attr-defined]
+            record.pop(other, None)
     for name in (*columns, best):
         unit = symbol_of(log.units.get(name, ""))
         request = f"echo_{unit}" if unit == "us" else f"reading_{unit}" if name == best else "extra"
@@ -159,8 +158,7 @@ def _finer(table: pd.DataFrame, first: str, second: str, units: Mapping[str, str
         digits = max(
             (len(str(v).partition(".")[2]) for v in table[name].dropna() if str(v) != "nan"), default=0
         )
-        values = pd.to_numeric(table[name], errors="coerce").to_numpy(dtype=np.float64, na_value=np.nan)
-        numbers.append(unit[0].units[unit[1]].to_si(values))
+        numbers.append(unit[0].units[unit[1]].to_si(floats(table[name])))
         steps.append(float(unit[0].units[unit[1]].to_si(10.0**-digits)))
     apart = np.abs(numbers[0] - numbers[1])
     both = np.isfinite(apart)

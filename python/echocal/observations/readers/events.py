@@ -15,22 +15,11 @@ from echocal.observations.in_time import clock_of, joined, spread
 from echocal.observations.readers.log import Log, numeric
 from echocal.observations.units import split_unit, symbol_of
 
-__all__ = ["Event", "changes_smoothly", "of_several_messages", "ranger_names", "rows_by_order", "rows_of"]
-
 Record = dict[str, Any]
 _LEADS = (
-    "distance",
-    "dist",
-    "abstand",
-    "entfernung",
-    "echo",
-    "reading",
-    "range",
-    "ultrasonic",
-    "sonar",
-    "tank",
+    "distance", "dist", "abstand", "entfernung", "echo", "reading", "range", "ultrasonic", "sonar", "tank",
     "level",
-)
+)  # fmt: skip
 _LENGTHS = {"m", "cm", "mm", "inch", "ft"}
 _AIR_UNITS = {"C", "F", "K", "percent", "Pa", "hPa", "kPa", "mbar", "ppm", "m_s", "km_h", "W_m2", "lux"}
 _AIR = (
@@ -41,24 +30,12 @@ _AIR = (
 
 @dataclass(frozen=True)
 class Event:
-    """What a line of a log says at its time.
+    """What a line of a log says at its time."""
 
-    Attributes
-    ----------
-    time : mapping of str to object
-        The clock of the line by its column; empty where it has none.
-    holds : mapping of str to object
-        Empty where the line says that no echo came.
-    said : str
-        The line.
-    ends : bool
-        Whether a blank line is above it that ends what came before.
-    """
-
-    time: Mapping[str, Any]
-    holds: Mapping[str, Any]
-    said: str = ""
-    ends: bool = False
+    time: Mapping[str, Any]  # the clock of the line by its column; empty where it has none
+    holds: Mapping[str, Any]  # empty where the line says that no echo came
+    said: str = ""  # the line
+    ends: bool = False  # whether a blank line is above it that ends what came before
 
 
 def rows_of(events: Sequence[Event], ranger: Sequence[str], log: Log, beside: Sequence[str] = ()) -> Log:
@@ -121,7 +98,7 @@ def rows_by_order(events: Sequence[Event], ranger: Sequence[str], log: Log) -> L
     return log
 
 
-def of_several_messages(records: Sequence[Record], log: Log) -> Log:
+def of_several_messages(records: list[Record], log: Log) -> Log:
     """Rows of messages with their times: some have a reading, and others only further quantities."""
     names = list(dict.fromkeys(name for record in records for name in record))
     clocks = [name for name in names if is_time_name(name) and all(name in own for own in records)]

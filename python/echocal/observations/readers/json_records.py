@@ -9,8 +9,6 @@ from echocal.observations.limits import from_json
 from echocal.observations.readers.events import of_several_messages
 from echocal.observations.readers.log import Log
 
-__all__ = ["NAME", "flat", "read", "recognizes"]
-
 NAME = "JSON"
 
 _CHANNEL = "channel"
@@ -29,37 +27,34 @@ def read(lines: Sequence[str], path: str) -> Log:
         whole = from_json(text)
     except ValueError:
         return _lines(lines, path)
-    log = Log([])
-    records = _records(whole, log)
+    log, records = Log(), _records(whole)
     if not records:
-        message = f'{path} is JSON without records; a record is {{"distance_cm": 12.3, ...}}, one a line'
-        raise DataError(message)
+        raise DataError(
+            f'{path} is JSON without records; a record is {{"distance_cm": 12.3, ...}}, one a line'
+        )
     return of_several_messages(_short([flat(record) for record in records]), log)
 
 
 def _lines(lines: Sequence[str], path: str) -> Log:
-    log, records, why = Log([]), [], ""
-    filled = [line for line in lines if line.strip()]
-    for line in filled:
+    log, why = Log(), ""
+    for line in filter(str.strip, lines):
         try:
             record = from_json(line.strip().rstrip(","))
         except ValueError as error:
             record, why = None, why or str(error)
         if isinstance(record, Mapping):
-            records.append(flat(record))
+            log.records.append(flat(record))
         else:
-            log.corrupt[len(records)] = line
-            records.append({})
-    if 2 * len(log.corrupt) >= len(records):
-        message = (
+            log.lose(line)
+    if 2 * len(log.corrupt) >= len(log.records):
+        raise DataError(
             f"{path} is JSON that cannot be read{why and f' ({why})'}; write one record a line, or save the "
             "table as CSV"
         )
-        raise DataError(message)
-    return of_several_messages(_short(records), log)
+    return of_several_messages(_short(log.records), log)
 
 
-def _records(whole: Any, log: Log) -> list[Mapping[str, Any]]:
+def _records(whole: Any) -> list[Mapping[str, Any]]:
     if isinstance(whole, list):
         if whole and all(isinstance(item, list) for item in whole):
             if all(isinstance(item, Mapping) for part in whole for item in part):  # Home Assistant's history

@@ -6,8 +6,6 @@ from typing import Any
 
 from echocal.observations.readers.log import Log
 
-__all__ = ["NAME", "read", "recognizes"]
-
 NAME = "line protocol of InfluxDB"
 
 _LINE = re.compile(
@@ -24,21 +22,17 @@ def recognizes(lines: Sequence[str]) -> bool:
 
 def read(lines: Sequence[str], path: str) -> Log:
     """Read the lines; tags are columns."""
-    log = Log([])
-    records: list[dict[str, Any]] = []
+    log = Log()
     for line in filter(str.strip, lines):
         if line.startswith("#"):
             continue
         match = _LINE.fullmatch(line.strip())
         if match is None:
-            log.corrupt[len(records)] = line
-            records.append({})
+            log.lose(line)
             continue
         record: dict[str, Any] = dict(pair.split("=", 1) for pair in match["head"].split(",")[1:])
         for pair in match["fields"].split(","):
             name, _, value = pair.partition("=")
             record[name] = value.strip('"').rstrip("iu") if re.match(r'["\d+-]', value) else value
-        record["timestamp"] = match["time"]
-        records.append(record)
-    log.records = records
+        log.records.append({**record, "timestamp": match["time"]})
     return log

@@ -8,8 +8,6 @@ from typing import Any
 from echocal.observations.numbers import says_no_echo
 from echocal.observations.readers.log import Log
 
-__all__ = ["NAME", "read", "recognizes"]
-
 NAME = "printed tuples"
 
 _BEGIN = re.compile(r"\s*(?P<time>\d{1,2}:\d\d:\d\d(?:\.\d+)?\s*(?:->)?\s*)?(?P<rest>[\[({].*[\])}])\s*,?\s*")
@@ -25,18 +23,14 @@ def recognizes(lines: Sequence[str]) -> bool:
 
 def read(lines: Sequence[str], path: str) -> Log:
     """Read the lines; values without a name are called after their place."""
-    log = Log([])
-    records: list[dict[str, Any]] = []
+    log = Log()
     for line in filter(str.strip, lines):
         time, value = _value(line)
         stamp = {"time": time} if time else {}
-        if value is None:
-            if records or says_no_echo(line):
-                log.corrupt[len(records)] = line
-                records.append(dict(stamp))
-            continue
-        records.append({**stamp, **value})
-    log.records = records
+        if value is not None:
+            log.records.append({**stamp, **value})
+        elif log.records or says_no_echo(line):
+            log.lose(line, stamp)
     return log
 
 

@@ -14,8 +14,6 @@ from echocal.observations.found import Join
 from echocal.observations.limits import refuse_cells, refuse_names
 from echocal.observations.numbers import NO_ECHO, NO_NUMBER, says_no_echo
 
-__all__ = ["Log", "numeric"]
-
 _WITHOUT = "line without values"
 
 
@@ -23,7 +21,7 @@ _WITHOUT = "line without values"
 class Log:
     """Rows of a log."""
 
-    records: Sequence[Mapping[str, Any]]
+    records: list[dict[str, Any]] = field(default_factory=list)
     """Values of each row, by column; an empty one where the row could not be read."""
     units: dict[str, str] = field(default_factory=dict)
     notes: list[str] = field(default_factory=list)
@@ -33,6 +31,11 @@ class Log:
     """What columns hold for sure, by how the log is written."""
     joined: dict[str, Join] = field(default_factory=dict)
     """Columns whose values were recorded at other times than those of the rows."""
+
+    def lose(self, line: str, clock: Mapping[str, str] | None = None) -> None:
+        """Add a row for a line that has no values."""
+        self.corrupt[len(self.records)] = line
+        self.records.append(dict(clock or {}))
 
     def table(self, path: str) -> pd.DataFrame:
         """Columns in the order in which they appear; numbers where all values are such.

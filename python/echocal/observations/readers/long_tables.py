@@ -7,27 +7,17 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
+from echocal.arrays import Column, Labels, Mask
+from echocal.observations.fields import floats
 from echocal.observations.found import Found, Join, told
 from echocal.observations.in_time import Clock, clock_of, joined
 from echocal.observations.readers.events import changes_smoothly, ranger_names
 
-__all__ = ["step"]
-
 _NAMES = (
-    "_field",
-    "entity_id",
-    "metric",
-    "field",
-    "sensor_type",
-    "variable",
-    "parameter",
-    "measurement",
-    "series",
-    "topic",
-    "quantity",
-)
+    "_field", "entity_id", "metric", "field", "sensor_type", "variable", "parameter", "measurement",
+    "series", "topic", "quantity",
+)  # fmt: skip
 _ALSO_SENSORS = ("type", "sensor", "name", "channel", "key", "kind", "sensor_name")
 """Names of columns that may as well say which sensor a row is of: then all of them are rangers."""
 _VALUES = ("_value", "state", "value", "payload", "wert")
@@ -37,8 +27,6 @@ _TIMES = (
 )
 _UNITS = ("unit", "unit_of_measurement", "units", "einheit")
 _MOST = 50
-
-Column = NDArray[np.float64]
 
 
 def step(table: pd.DataFrame, found: Found) -> tuple[pd.DataFrame, Found]:
@@ -58,7 +46,7 @@ def step(table: pd.DataFrame, found: Found) -> tuple[pd.DataFrame, Found]:
     if name.lower() in _ALSO_SENSORS and not any(changes_smoothly(n, units.get(n, "")) for n in kinds):
         return table, found
     of_kind = table[name].astype(object)
-    values = pd.to_numeric(table[value], errors="coerce").to_numpy(dtype=np.float64)
+    values = floats(table[value])
     own = (of_kind == lead).to_numpy()
     tags = [str(c) for c in table.columns if c != name and _is_tag(str(c), lower)]
     wide = table.loc[own, [c for c in table.columns if c == time or c in tags]].reset_index(drop=True)
@@ -83,9 +71,9 @@ def step(table: pd.DataFrame, found: Found) -> tuple[pd.DataFrame, Found]:
 def _of_each(
     clock: Clock,
     values: Column,
-    sensors: NDArray[np.int64],
-    own: NDArray[np.bool_],
-    where: NDArray[np.bool_],
+    sensors: Labels,
+    own: Mask,
+    where: Mask,
     *,
     smooth: bool,
 ) -> tuple[Column, Join]:
@@ -105,7 +93,7 @@ def _of_each(
     return taken, replace(longest, without=sum(join.without for join in joins))
 
 
-def _sensors(tags: pd.DataFrame) -> NDArray[np.int64]:
+def _sensors(tags: pd.DataFrame) -> Labels:
     """Number of the sensor that each row is of, by its tags."""
     if tags.empty:
         return np.zeros(len(tags), dtype=np.int64)

@@ -9,8 +9,6 @@ from collections.abc import Sequence
 
 from echocal.observations.readers.log import Log
 
-__all__ = ["NAME", "read", "recognizes"]
-
 NAME = "serial output of a MaxBotix ranger"
 
 _LINE = re.compile(
@@ -27,8 +25,7 @@ def recognizes(lines: Sequence[str]) -> bool:
 
 def read(lines: Sequence[str], path: str) -> Log:
     """Read the lines; 300, 500, 5000 and 9999 are kept as they are."""
-    log = Log([])
-    records: list[dict[str, str]] = []
+    log = Log()
     digits = [len(match["value"]) for line in lines if (match := _LINE.fullmatch(line.strip()))]
     name = "range"
     if digits and min(digits) >= 4:
@@ -38,15 +35,13 @@ def read(lines: Sequence[str], path: str) -> Log:
     for line in filter(str.strip, lines):
         match = _LINE.fullmatch(line.strip())
         if match is None:
-            if records:
-                log.corrupt[len(records)] = line
-                records.append({})
+            if log.records:
+                log.lose(line)
             continue
         record = {name: match["value"]}
         if match["time"]:
             record = {"time": match["time"].strip().replace(",", "."), **record}
         if match["temperature"]:
             record["temperature (°C)"] = match["temperature"]
-        records.append(record)
-    log.records = records
+        log.records.append(record)
     return log

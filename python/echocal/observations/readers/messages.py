@@ -10,8 +10,6 @@ from echocal.observations.readers.events import of_several_messages
 from echocal.observations.readers.json_records import flat
 from echocal.observations.readers.log import Log
 
-__all__ = ["NAME", "read", "recognizes"]
-
 NAME = "messages that end in JSON"
 
 _MESSAGE = re.compile(r"(?P<before>[^{]*[^{\s,;\"'=:]\s*[:=]?\s*['\"]?)(?P<json>\{.*\})['\")\]]*\s*")
@@ -28,14 +26,14 @@ def recognizes(lines: Sequence[str]) -> bool:
 
 def read(lines: Sequence[str], path: str) -> Log:
     """Read the records, and the time before each where the record has none."""
-    log = Log([])
-    records: list[dict[str, Any]] = []
+    log = Log()
     for line in filter(str.strip, lines):
         values = _values(line)
         if values is None:
-            log.corrupt[len(records)] = line
-        records.append(values or {})
-    return of_several_messages(records, log)
+            log.lose(line)
+        else:
+            log.records.append(values)
+    return of_several_messages(log.records, log)
 
 
 def _values(line: str) -> dict[str, Any] | None:

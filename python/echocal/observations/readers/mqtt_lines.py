@@ -12,8 +12,6 @@ from echocal.observations.readers.events import Event, ranger_names, rows_of
 from echocal.observations.readers.json_records import flat
 from echocal.observations.readers.log import Log
 
-__all__ = ["NAME", "read", "recognizes"]
-
 NAME = "topics and payloads of MQTT"
 
 _LINE = re.compile(
@@ -31,7 +29,7 @@ def recognizes(lines: Sequence[str]) -> bool:
 
 def read(lines: Sequence[str], path: str) -> Log:
     """Read the payloads; a row is a payload of the ranger, with those of other topics at its time."""
-    log = Log([])
+    log = Log()
     told, others = [], []
     for line in filter(str.strip, lines):
         match = _LINE.fullmatch(line.strip())

@@ -6,8 +6,6 @@ from collections.abc import Sequence
 from echocal.errors import DataError
 from echocal.observations.readers.log import Log
 
-__all__ = ["NAME", "read", "recognizes"]
-
 NAME = "sentences of NMEA 0183"
 
 _DEPTHS = {"DBK", "DBS", "DBT", "DPT"}
@@ -24,15 +22,11 @@ def recognizes(lines: Sequence[str]) -> bool:
 def read(lines: Sequence[str], path: str) -> Log:
     """Refuse the sentences: each kind has other fields, and depth sounders measure in water.
 
-    Raises
-    ------
-    DataError
-        Always.
+    Raises `DataError` always.
     """
     kinds = dict.fromkeys(m["kind"] for line in lines if (m := _SENTENCE.match(line.strip())))
-    message = (
+    raise DataError(
         f"{path} has {NAME} ({', '.join(list(kinds)[:4])}), whose fields differ from kind to kind. Write the "
         "values of a sensor in air as a table with names and units (time, distance_cm, temperature_C). A "
         "depth sounder measures in water, and echocal has the speed of sound in air only"
     )
-    raise DataError(message)

@@ -6,8 +6,6 @@ from collections.abc import Iterator
 from echocal.observations.numbers import SILENT
 from echocal.observations.units import WRITTEN, symbol_of
 
-__all__ = ["Pair", "pairs_of"]
-
 Pair = tuple[str, str, str]
 """Name, value and unit; the value is ``nan`` where the line says that there is none."""
 

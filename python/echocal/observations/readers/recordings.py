@@ -15,17 +15,12 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
 from echocal.errors import DataError
 from echocal.observations.file import BAG, ULOG
 from echocal.observations.found import Found, Join, keep, told
 from echocal.observations.in_time import Clock, joined
 from echocal.observations.numbers import NO_ECHO
-
-__all__ = ["read"]
-
-Column = NDArray[np.float64]
 
 _SOUND = {ULOG: 1, BAG: 0}  # MAV_DISTANCE_SENSOR_ULTRASOUND; Range.ULTRASOUND
 _PX4 = {
@@ -42,6 +37,7 @@ _ROS = {
     "sensor_msgs/msg/FluidPressure": ("fluid_pressure", ("pressure", "Pa")),
 }
 _RANGE = "sensor_msgs/msg/Range"
+_SINCE_1970 = 1e8  # s: a smaller time counts from a start of its own
 
 
 @dataclass
@@ -66,10 +62,7 @@ class _Series:
 def read(path: Path, kind: str) -> pd.DataFrame:
     """Read the echoes of the ultrasonic rangers of a recording, with the air at their times.
 
-    Raises
-    ------
-    DataError
-        If the library is absent, the file is damaged, or no ultrasonic ranger is in it.
+    Raises `DataError` if the library is absent, the file is damaged, or no ultrasonic ranger is in it.
     """
     series = list(_ulog(path) if kind == ULOG else _bag(path))
     rangers = [own for own in series if own.quantity == ("reading", "m") and own.times]
@@ -77,21 +70,20 @@ def read(path: Path, kind: str) -> pd.DataFrame:
     if not sound:
         others = ", ".join(f"{own.topic} (type {sorted(own.kinds)})" for own in rangers)
         none = f"its rangers are no ultrasonic ones: {others}" if others else "no ranger is in it"
-        message = f"{path} is {kind}, and {none}; ultrasonic is type {_SOUND[kind]} of {_topic(kind)}"
-        raise DataError(message)
+        topic = "distance_sensor" if kind == ULOG else "sensor_msgs/Range"
+        raise DataError(f"{path} is {kind}, and {none}; ultrasonic is type {_SOUND[kind]} of {topic}")
     notes = [f"{own.topic} is no ultrasonic ranger, and is not read" for own in rangers if own not in sound]
     return _table(sound, [own for own in series if own not in rangers and own.times], kind, notes)
-
-
-def _topic(kind: str) -> str:
-    return "distance_sensor" if kind == ULOG else "sensor_msgs/Range"
 
 
 def _table(sound: Sequence[_Series], air: Sequence[_Series], kind: str, notes: list[str]) -> pd.DataFrame:
     times = np.concatenate([own.times for own in sound])
     order = np.argsort(times, kind="stable")
     valid = np.concatenate([own.valid for own in sound])[order]
-    columns: dict[str, Any] = {_clock_name(times): _clock(times[order])}
+    columns: dict[str, Any] = {"time_s": times[order]}
+    if times.min() > _SINCE_1970:
+        dates = pd.to_datetime(times[order], unit="s").strftime("%Y-%m-%dT%H:%M:%S.%fZ")
+        columns = {"time": dates}
     if len(sound) > 1:
         columns["sensor_id"] = np.repeat([own.topic for own in sound], [len(o.times) for o in sound])[order]
     readings = np.concatenate([own.heights for own in sound])[order]
@@ -118,32 +110,17 @@ def _name(own: _Series, taken: Iterable[str]) -> str:
     return plain if plain not in taken else "_".join(filter(None, [quantity, topic, unit]))
 
 
-_SINCE_1970 = 1e8  # s: a smaller time counts from a start of its own
-
-
-def _clock_name(times: Column) -> str:
-    return "time" if times.min() > _SINCE_1970 else "time_s"
-
-
-def _clock(times: Column) -> Any:
-    if times.min() <= _SINCE_1970:
-        return times
-    return pd.to_datetime(times, unit="s").strftime("%Y-%m-%dT%H:%M:%S.%fZ")
-
-
 def _ulog(path: Path) -> Iterable[_Series]:
     """Topics of a log of PX4; a signal quality of 0 says that an echo is not valid."""
     try:
         from pyulog import ULog
     except ImportError:
-        message = f"{path} is {ULOG}: pip install 'echocal[ulog]'"
-        raise DataError(message) from None
+        raise DataError(f"{path} is {ULOG}: pip install 'echocal[ulog]'") from None
     wanted = ["distance_sensor", *dict.fromkeys(topic for topic, _ in _PX4)]
     try:
         log = ULog(str(path), wanted)
     except Exception as error:  # of its parser, which meets any bytes
-        message = f"{path} cannot be read as {ULOG}: {error}"
-        raise DataError(message) from None
+        raise DataError(f"{path} cannot be read as {ULOG}: {error}") from None
     several = {data.name for data in log.data_list if data.multi_id}
     for data in log.data_list:
         name = f"{data.name}_{data.multi_id}" if data.name in several else str(data.name)
@@ -170,8 +147,7 @@ def _bag(path: Path) -> Iterable[_Series]:
         from rosbags.highlevel import AnyReader
         from rosbags.typesys import Stores, get_typestore
     except ImportError:
-        message = f"{path} is {BAG}: pip install 'echocal[ros]'"
-        raise DataError(message) from None
+        raise DataError(f"{path} is {BAG}: pip install 'echocal[ros]'") from None
     found: dict[tuple[str, str], _Series] = {}
     try:
         with AnyReader([path], default_typestore=get_typestore(Stores.LATEST)) as reader:
@@ -184,6 +160,5 @@ def _bag(path: Path) -> Iterable[_Series]:
                 own = found.setdefault((link.topic, link.msgtype), _Series(link.topic, quantity))
                 own.add(time, float(getattr(sent, name)), kind=int(getattr(sent, "radiation_type", 0)))
     except Exception as error:  # of its parsers, which meet any bytes
-        message = f"{path} cannot be read as {BAG}: {error}"
-        raise DataError(message) from None
+        raise DataError(f"{path} cannot be read as {BAG}: {error}") from None
     return found.values()

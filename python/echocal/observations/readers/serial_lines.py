@@ -5,7 +5,6 @@ import re
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
 
 from echocal.observations.fields import shown
 from echocal.observations.heading import find_head, is_value
@@ -15,8 +14,6 @@ from echocal.observations.readers.log import Log
 from echocal.observations.readers.pairs import Pair, pairs_of
 from echocal.observations.readers.stamps import Stamped, stamped
 from echocal.observations.units import FORMS, symbol_of
-
-__all__ = ["NAME", "read", "recognizes"]
 
 NAME = "lines of a serial monitor"
 
@@ -57,7 +54,7 @@ def read(lines: Sequence[str], path: str) -> Log:
 
 
 def _named(split: Sequence[Stamped]) -> Log:
-    log = Log([])
+    log = Log()
     told = _in_one_unit(_without_rare([(line, pairs_of(line.rest)) for line in split], log), log)
     named = [{name for name, _, _ in pairs} for _, pairs in told if pairs]
     ranger = ranger_names(list(dict.fromkeys(name for _, pairs in told for name, _, _ in pairs)), log.units)
@@ -69,17 +66,16 @@ def _named(split: Sequence[Stamped]) -> Log:
 
 def _line_by_line(told: Sequence[Told], log: Log) -> Log:
     """Each line is a row, or a part of one where no name comes again; others are rows without values."""
-    records: list[dict[str, Any]] = []
+    records = log.records
     for line, pairs in told:
         values = _event(line, pairs).holds
-        if not values and not (says_no_echo(line.rest) or (records and re.search(r"\w", line.rest))):
-            continue
-        if not values or not records or len(records) - 1 in log.corrupt or set(values) & set(records[-1]):
-            records.append(dict(line.time))
         if not values:
-            log.corrupt[len(records) - 1] = line.rest
+            if says_no_echo(line.rest) or (records and re.search(r"\w", line.rest)):
+                log.lose(line.rest, line.time)
+            continue
+        if not records or len(records) - 1 in log.corrupt or set(values) & set(records[-1]):
+            records.append(dict(line.time))
         records[-1] |= values
-    log.records = records
     return log
 
 
@@ -197,16 +193,13 @@ def _delimited_rests(split: Sequence[Stamped]) -> Log:
     head = find_head([split[n].rest for n in spoken], 0, "")
     names, kept = set(spoken[: head.start]), min([begin, *silent])
     rows = [line for n, line in enumerate(split) if n >= kept and n not in names]
-    log = Log([], notes=[] if not head.nameless else ["the values have no names"])
-    records: list[dict[str, Any]] = []
+    log = Log(units=dict(head.units), notes=[] if not head.nameless else ["the values have no names"])
     for line in rows:
         fields = next(csv.reader([line.rest], delimiter=head.separator, skipinitialspace=True), [])
         if len(fields) == len(head.names) and any(map(is_value, map(_bare, fields))):
-            records.append({**line.time, **dict(zip(head.names, fields, strict=True))})
+            log.records.append({**line.time, **dict(zip(head.names, fields, strict=True))})
         else:
-            log.corrupt[len(records)] = line.rest
-            records.append(dict(line.time))
-    log.records, log.units = records, dict(head.units)
+            log.lose(line.rest, line.time)
     return log
 
 

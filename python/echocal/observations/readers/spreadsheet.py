@@ -3,7 +3,7 @@
 import re
 import zipfile
 import zlib
-from datetime import date, datetime, time, timedelta
+from datetime import date, time, timedelta
 from pathlib import Path
 from typing import IO, Any
 
@@ -16,8 +16,6 @@ from echocal.observations.heading import is_value
 from echocal.observations.limits import refuse_cells
 from echocal.observations.readers.log import numeric
 from echocal.observations.units import is_unit_row
-
-__all__ = ["NAME", "read"]
 
 NAME = "a spreadsheet"
 
@@ -39,18 +37,19 @@ def read(path: Path, sheet: str | None, skip_rows: int = 0) -> pd.DataFrame:
     try:
         from python_calamine import CalamineWorkbook
     except ImportError:
-        message = f"{path} is a spreadsheet: pip install 'echocal[excel]', or save the table as CSV"
-        raise DataError(message) from None
+        raise DataError(
+            f"{path} is a spreadsheet: pip install 'echocal[excel]', or save the table as CSV"
+        ) from None
     _refuse_extent(path)
     try:
         book = CalamineWorkbook.from_path(str(path))
     except Exception as error:
-        message = f"{path} is a zip archive or a spreadsheet; save the table as CSV ({error})"
-        raise DataError(message) from None
+        raise DataError(
+            f"{path} is a zip archive or a spreadsheet; save the table as CSV ({error})"
+        ) from None
     names = book.sheet_names
     if sheet is not None and sheet not in names:
-        message = f"{path} has no sheet '{sheet}'; it has: {', '.join(names)}"
-        raise UsageError(message)
+        raise UsageError(f"{path} has no sheet '{sheet}'; it has: {', '.join(names)}")
     for name in [sheet] if sheet else names:
         rows = [
             row
@@ -63,8 +62,7 @@ def read(path: Path, sheet: str | None, skip_rows: int = 0) -> pd.DataFrame:
             notes = (other,) if len(names) > 1 else ()
             frame, units = table
             return keep(frame, Found(NAME, units, () if sheet else notes, streams=False))
-    message = f"{path} has no sheet with a row of names and rows of values below"
-    raise DataError(message)
+    raise DataError(f"{path} has no sheet with a row of names and rows of values below")
 
 
 def _refuse_extent(path: Path) -> None:
@@ -73,11 +71,10 @@ def _refuse_extent(path: Path) -> None:
         with zipfile.ZipFile(path) as archive:
             for part in archive.infolist():
                 if part.file_size > _LARGEST:
-                    message = (
+                    raise DataError(
                         f"{path}: {part.filename} in it has {part.file_size:,} bytes, and {_LARGEST:,} are "
                         "the most; save the table as CSV"
                     )
-                    raise DataError(message)
                 if _SHEET.fullmatch(part.filename):
                     with archive.open(part) as file:
                         refuse_cells(*_extent(file), f"{path}: {part.filename}")
@@ -135,14 +132,6 @@ def _filled(value: Any) -> bool:
 
 
 def _plain(value: Any) -> Any:
-    if isinstance(value, datetime):
-        return value.isoformat(sep=" ")
-    if isinstance(value, date):
-        return value.isoformat()
-    if isinstance(value, timedelta):
+    if isinstance(value, date | time | timedelta):
         return str(value)
-    if isinstance(value, time):
-        return value.isoformat()
-    if isinstance(value, str):
-        return value.strip() or None
-    return value
+    return (value.strip() or None) if isinstance(value, str) else value

@@ -6,8 +6,6 @@ from dataclasses import dataclass
 from datetime import UTC, datetime
 from functools import lru_cache
 
-__all__ = ["Stamped", "plain", "stamped"]
-
 _ANSI = re.compile(r"\x1b\[[\d;?]*[A-Za-z]|\x1b\][^\x07]*\x07|\x1b[()][A-Z0-9]")
 _DATE = (
     r"(?:\d{4}-\d\d-\d\d[T ]|\d{4}/\d\d/\d\d |\d{1,2}[./]\d{1,2}[./]\d{2,4},? |\d{1,2}-[A-Z][a-z]{2}-\d{4} )"

@@ -3,20 +3,19 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
 from dataclasses import replace
 from typing import Any
 
-import numpy as np
 import pandas as pd
 
 from echocal.observations.dates import CLOCK, DAY, MONTH, unwrapped_clock
+from echocal.observations.fields import floats, is_empty
 from echocal.observations.found import Found
 from echocal.observations.hints import is_time_name
 from echocal.observations.in_time import counts_per_second
 from echocal.observations.numbers import NO_NUMBER
 from echocal.observations.units import NAMES
-
-__all__ = ["step"]
 
 _NAMELESS = re.compile(r"column \d+")
 _UNITS = {1.0: "time_s", 1e3: "time_ms", 1e6: "time_us"}
@@ -30,7 +29,7 @@ def step(table: pd.DataFrame, found: Found) -> tuple[pd.DataFrame, Found]:
     clocks = [n for n in named if _share(table[n], CLOCK)]
     whole = [n for n in named if _share(table[n], DAY, clock=True)]
     if len(days) == 1 and len(clocks) == 1 and not whole:
-        return _joined(table, found, days[0], clocks[0])
+        return together(table, found, days[0], clocks[0], table[clocks[0]])
     if len(clocks) == 1 and not whole and not days and not any(n in NAMES and n != "time" for n in named):
         return _clock(table, found, clocks[0])
     if "time" in table.columns and not pd.api.types.is_numeric_dtype(table["time"]):
@@ -40,7 +39,7 @@ def step(table: pd.DataFrame, found: Found) -> tuple[pd.DataFrame, Found]:
     for name in named:
         if name in NAMES and name != "time":
             return table, found
-        if scale := _epoch(table[name]):
+        if scale := counts_per_second(floats(table[name])):
             if unit := _UNITS.get(scale):
                 return table, _said(found, name, unit)
             table = table.assign(time_s=table[name] / scale)
@@ -48,12 +47,15 @@ def step(table: pd.DataFrame, found: Found) -> tuple[pd.DataFrame, Found]:
     return table, found
 
 
-def _joined(table: pd.DataFrame, found: Found, day: str, clock: str) -> tuple[pd.DataFrame, Found]:
+def together(
+    table: pd.DataFrame, found: Found, day: str, clock: str, times: Iterable[Any]
+) -> tuple[pd.DataFrame, Found]:
+    """One column `time` of those of a date and of a time of day, whose texts are `times`."""
     both = [
         f"{str(a).strip().split(' ')[0].split('T')[0]} {str(b).strip()}"
         if _filled(a) and _filled(b)
         else None
-        for a, b in zip(table[day], table[clock], strict=True)
+        for a, b in zip(table[day], times, strict=True)
     ]
     own = "time of day" if clock == "time" else clock
     table = table.rename(columns={clock: own}).assign(time=pd.Series(both, index=table.index, dtype=object))
@@ -95,11 +97,5 @@ def _share(values: pd.Series[Any], pattern: Any, *, clock: bool | None = None) -
     return bool(texts) and 10 * good >= 9 * len(texts)
 
 
-def _epoch(values: pd.Series[Any]) -> float | None:
-    """How many make a second since 1970; None for other numbers."""
-    numbers = pd.to_numeric(values, errors="coerce")
-    return counts_per_second(numbers.to_numpy(dtype=np.float64, na_value=np.nan))
-
-
 def _filled(value: Any) -> bool:
-    return value is not None and value == value and str(value).strip() not in NO_NUMBER
+    return not is_empty(value) and str(value).strip() not in NO_NUMBER

@@ -14,19 +14,16 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
+from echocal.arrays import Column
 from echocal.errors import DataError
 from echocal.observations.alike import echo_speed, is_set, resolution
 from echocal.observations.found import Found
 from echocal.observations.hints import hint, role_of
 from echocal.observations.names import EXTRA, by_name
 from echocal.observations.numbers import NO_NUMBER
+from echocal.observations.readers.log import numeric
 from echocal.observations.units import NAMES, split_unit, symbol_of
-
-__all__ = ["columns_named_by_unit", "repeated", "units_in_cells", "units_of_messages"]
-
-Column = NDArray[np.float64]
 
 _TIMES = ("us", "ms", "s")
 _LENGTHS = ("m", "cm", "mm", "inch", "ft")
@@ -112,7 +109,7 @@ def units_in_cells(table: pd.DataFrame, found: Found) -> tuple[pd.DataFrame, Fou
         same = known.index[known == usual[0]]
         values = texts.copy()
         values[same] = parts.loc[same, 0].str.replace(",", ".", regex=False)
-        table = table.assign(**{name: _numbers(values)})
+        table = table.assign(**{name: numeric(values)})
         units.setdefault(str(name), str(parts[1].dropna().mode()[0]).strip())
     return table, replace(found, units={**_beside(table), **units})
 
@@ -129,12 +126,6 @@ def _beside(table: pd.DataFrame) -> dict[str, str]:
         if len(texts) == 1 and symbol_of(texts[0]):
             units[str(name)] = str(texts[0])
     return units
-
-
-def _numbers(values: pd.Series[Any]) -> pd.Series[Any]:
-    plain = values.where(~values.isin(NO_NUMBER), None)
-    numbers = pd.to_numeric(plain, errors="coerce")
-    return numbers if numbers.notna().sum() == plain.notna().sum() else values
 
 
 def units_of_messages(table: pd.DataFrame, found: Found) -> tuple[pd.DataFrame, Found]:

@@ -7,8 +7,6 @@ from echocal.observations.heading import is_value
 from echocal.observations.readers.log import Log
 from echocal.observations.units import is_unit_row
 
-__all__ = ["NAME", "read", "recognizes", "words_of"]
-
 NAME = "columns with blanks between them"
 
 
@@ -35,7 +33,7 @@ def read(lines: Sequence[str], path: str) -> Log:
     filled = [line.strip() for line in lines if line.strip()]
     first = next(n for n, line in enumerate(filled) if _is_row(line))
     width = len(words_of(filled[first]))
-    log = Log([])
+    log = Log()
     names = [f"column {place}" for place in range(1, width + 1)]
     above = [line.lstrip("# ") for line in filled[max(first - 2, 0) : first]]
     for line in reversed(above):
@@ -51,21 +49,14 @@ def read(lines: Sequence[str], path: str) -> Log:
             log.units = dict(zip(words, log.units.values(), strict=False))
             names = words
             break
-    records = []
     for line in filled[first:]:
         if line.startswith("#"):
             continue
         if _is_row(line) and len(words_of(line)) == width:
-            records.append(_joined(names, words_of(line)))
+            log.records.append(dict(zip(names, words_of(line), strict=True)))
         else:
-            log.corrupt[len(records)] = line
-            records.append({})
-    log.records = records
+            log.lose(line)
     return log
-
-
-def _joined(names: list[str], values: list[str]) -> dict[str, str]:
-    return dict(zip(names, values, strict=True))
 
 
 def _is_row(line: str) -> bool:
