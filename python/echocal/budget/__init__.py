@@ -1,6 +1,5 @@
 """Uncertainty budgets of corrected distances: JCGM 100, JCGM 101."""
 
-from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -10,7 +9,7 @@ from numpy.typing import NDArray
 
 from echocal._verb import callable_as
 from echocal.budget.coverage import COVERAGE, checked_coverage
-from echocal.budget.entries import Itemized, itemized
+from echocal.budget.entries import Itemized, itemized, some_rows
 from echocal.budget.monte_carlo import MonteCarlo, simulated
 from echocal.budget.result import Budget
 from echocal.budget.stated import PUBLISHED, Uncertainties
@@ -163,7 +162,7 @@ def _simulated(
     coverage: float,
     seed: int,
 ) -> MonteCarlo:
-    own = some(rows, places)
+    own = some_rows(rows, places)
     found = itemized(own, model, corrected_distance(own, model), stated)
     return simulated(own, model, found, trials, coverage, np.random.default_rng(seed))
 
@@ -253,26 +252,3 @@ def observations_of(model: Model, given: dict[str, Any]) -> Observations:
     columns = {column: grid[name] for name, column in model.columns.items() if name in grid}
     conditions = {name: values for name, values in grid.items() if name not in model.columns}
     return Observations(echo, conditions, None, np.full(len(distance), ""), thermometers=columns)
-
-
-def some(observations: Observations, places: NDArray[np.int64]) -> Observations:
-    """The observations of some rows."""
-
-    def of(columns: Mapping[str, Any]) -> dict[str, Any]:
-        return {name: values[places] for name, values in columns.items()}
-
-    def optional(values: Any) -> Any:
-        return None if values is None else values[places]
-
-    return replace(
-        observations,
-        echo_time=observations.echo_time[places],
-        conditions=of(observations.conditions),
-        reference_distance=optional(observations.reference_distance),
-        unusable=observations.unusable[places],
-        reading=optional(observations.reading),
-        time=optional(observations.time),
-        labels=of(observations.labels),
-        extra=of(observations.extra),
-        thermometers=of(observations.thermometers),
-    )

@@ -25,7 +25,7 @@ from echocal.observations.correction import base_indication, corrected_distance
 from echocal.quantities import DEFAULTS, FROM_THERMOMETERS, QUANTITIES
 from echocal.registry import find_effect
 
-__all__ = ["Entry", "Itemized", "conditions_of", "itemized", "values_of"]
+__all__ = ["Entry", "Itemized", "conditions_of", "itemized", "some_rows", "values_of"]
 
 Column = NDArray[np.float64]
 
@@ -344,3 +344,26 @@ def published(model: Model, given: dict[str, Column], count: int) -> tuple[Sourc
         words = f"Cramer 1993: 300 ppm, or where it is more, the {words}"
     law_words = "law of the speed of sound" + (", humidity not recorded" if humid is None else "")
     return replace(of_law(0.0, words), words=law_words), np.broadcast_to(half, (count,))
+
+
+def some_rows(observations: Observations, places: NDArray[np.int64] | slice) -> Observations:
+    """The observations of some rows."""
+
+    def of(columns: Mapping[str, Any]) -> dict[str, Any]:
+        return {name: values[places] for name, values in columns.items()}
+
+    def optional(values: Any) -> Any:
+        return None if values is None else values[places]
+
+    return replace(
+        observations,
+        echo_time=observations.echo_time[places],
+        conditions=of(observations.conditions),
+        reference_distance=optional(observations.reference_distance),
+        unusable=observations.unusable[places],
+        reading=optional(observations.reading),
+        time=optional(observations.time),
+        labels=of(observations.labels),
+        extra=of(observations.extra),
+        thermometers=of(observations.thermometers),
+    )

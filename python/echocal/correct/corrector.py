@@ -298,7 +298,7 @@ class Corrector:
 def _scattered(found: list[Rows], orders: list[NDArray[np.intp]]) -> Rows:
     """Rows of several keys in the order of the table."""
     if not found:
-        return Rows(np.zeros(0), np.zeros(0, np.float32), np.zeros(0, np.int16), ("",), (False,), ())
+        return no_distance(0)
     reasons: dict[str, bool] = {"": False}
     for rows in found:
         for reason, lost in zip(rows.reasons, rows.unusable, strict=True):

@@ -1,6 +1,6 @@
 """Logs: rows that belong together, in one file or in several, for models that depend on other rows."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -19,23 +19,13 @@ from echocal.model.folder import ModelFolder
 from echocal.objects import Object
 from echocal.places import Place
 
-__all__ = ["LOGS", "Surroundings", "logs_of", "surroundings"]
+__all__ = ["LOGS", "logs_of", "surroundings"]
 
 LOGS = ("file", "key", "all")
 """Which files may be one log."""
 
 _BYTES_A_ROW = 250
 """What a row takes while the quantities that a log derives from its rows are computed; judgement."""
-
-
-@dataclass(frozen=True)
-class Surroundings:
-    """What the rows of a file depend on."""
-
-    context: Context  # of the rows before, of the file, and of the rows after
-    # before, after: rows of the log just before and after the file
-    before: pd.DataFrame
-    after: pd.DataFrame
 
 
 @dataclass(frozen=True)
@@ -50,41 +40,39 @@ _KEPT: dict[tuple[object, ...], _Log] = {}
 
 
 def surroundings(
-    files: Sequence[Path],
-    place: int,
+    file: Path,
+    log: Sequence[Path],
     corrector: Corrector,
-    read: Callable[[Path], pd.DataFrame],
+    read: Callable[[Path], Iterable[pd.DataFrame]],
     memory: int,
-) -> Surroundings:
-    """What the rows of one file of a log depend on.
+) -> dict[str, Any]:
+    """What the rows of a file depend on besides themselves, as `echocal.correct.stream.corrected` takes it.
+
+    Raises `DataError` if the log is larger than the memory, or its files overlap in time.
 
     Parameters
     ----------
-    files : sequence of Path
-        The files of the log. Their order is that of their first times.
-    place : int
-        Which of them.
+    log : sequence of Path
+        The files of the log, in any order; empty for the file alone.
     read : callable
-        Reads the needed columns of a file.
-
-    Raises
-    ------
-    DataError
-        If the log is larger than the memory, or its files overlap in time.
+        Reads the needed columns of a file, piece by piece.
     """
+    if not corrector.remembers and (len(log) < 2 or not corrector.rows_around):
+        return {"context": Context()}
+    files = list(log) or [file]
     key = (*map(_version, files), corrector.reads)
-    log = _KEPT.get(key)
-    if log is None:
-        log = _read_log(files, corrector, read, memory)
+    whole = _KEPT.get(key)
+    if whole is None:
+        whole = _read_log(files, corrector, read, memory)
         _KEPT.clear()
-        _KEPT[key] = log
-    begin, end = log.places[files[place]]
-    first, last = max(begin - corrector.rows_around, 0), min(end + corrector.rows_around, len(log.table))
-    return Surroundings(
-        log.context.rows(first, last),
-        log.table.iloc[first:begin].reset_index(drop=True),
-        log.table.iloc[end:last].reset_index(drop=True),
-    )
+        _KEPT[key] = whole
+    begin, end = whole.places[file]
+    first, last = max(begin - corrector.rows_around, 0), min(end + corrector.rows_around, len(whole.table))
+    return {
+        "context": whole.context.rows(first, last),
+        "before": whole.table.iloc[first:begin].reset_index(drop=True),
+        "after": whole.table.iloc[end:last].reset_index(drop=True),
+    }
 
 
 def _version(file: Path) -> tuple[object, ...]:
@@ -94,12 +82,16 @@ def _version(file: Path) -> tuple[object, ...]:
 
 
 def _read_log(
-    files: Sequence[Path], corrector: Corrector, read: Callable[[Path], pd.DataFrame], memory: int
+    files: Sequence[Path],
+    corrector: Corrector,
+    read: Callable[[Path], Iterable[pd.DataFrame]],
+    memory: int,
 ) -> _Log:
     tables: list[pd.DataFrame] = []
     rows = 0
     for file in files:
-        tables.append(read(file))
+        pieces = list(read(file)) or [pd.DataFrame(columns=corrector.columns)]
+        tables.append(pd.concat(pieces, ignore_index=True))
         rows += len(tables[-1])
         if rows * _BYTES_A_ROW > memory:
             message = (

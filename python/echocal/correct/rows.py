@@ -9,6 +9,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from echocal.budget.entries import some_rows
 from echocal.correct.needed import Needed, is_derived, reference_of, trusted, with_marks
 from echocal.correct.results import DISTANCE, LEVEL
 from echocal.correct.uncertainty import Uncertainties, included, standard_uncertainty
@@ -135,7 +136,7 @@ def correct_rows(
     observations, assembly = _observed(table, model, needed, reading, part)
     if groups:
         base_indication(observations, model.law)  # counts rows outside of the domain of the law
-    each = [(own, rows, _some(observations, rows)) for own, rows in groups]
+    each = [(own, rows, some_rows(observations, rows)) for own, rows in groups]
     each = each or [(model, slice(None), observations)]
     distance, uncertainty = np.empty(len(observations)), np.empty(len(observations), np.float32)
     for own, rows, some in each:
@@ -178,19 +179,6 @@ def correct_rows(
     )
 
 
-def _some(observations: Observations, rows: slice) -> Observations:
-    """Some rows, with what a correction reads of them."""
-    return Observations(
-        observations.echo_time[rows],
-        {name: values[rows] for name, values in observations.conditions.items()},
-        None,
-        observations.unusable[rows],
-        reading=None if observations.reading is None else observations.reading[rows],
-        thermometers={name: values[rows] for name, values in observations.thermometers.items()},
-        source_names=observations.source_names,
-    )
-
-
 def whole_log(table: pd.DataFrame, model: Model, needed: Needed, reading: Reading) -> tuple[Part, Column]:
     """What the parts of a table need to know of the whole: its start and its derived quantities.
 
@@ -215,11 +203,13 @@ def whole_log(table: pd.DataFrame, model: Model, needed: Needed, reading: Readin
     return Part(start, derived), elapsed
 
 
-def no_distance(count: int, reason: str, first: str) -> Rows:
-    """Rows that no model corrects."""
+def no_distance(count: int, reason: str = "", first: str = DISTANCE) -> Rows:
+    """Rows without a result, for a reason or none."""
     nothing = np.full(count, np.nan)
-    codes = np.ones(count, dtype=np.int16)
-    return Rows(nothing, nothing.astype(np.float32), codes, ("", reason), (False, True), (), first)
+    codes = np.full(count, bool(reason), dtype=np.int16)
+    reasons = ("", reason) if reason else ("",)
+    lost = tuple(map(bool, reasons))
+    return Rows(nothing, nothing.astype(np.float32), codes, reasons, lost, (), first)
 
 
 def _observed(

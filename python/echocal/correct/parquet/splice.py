@@ -16,7 +16,7 @@ from echocal.correct.parquet import thrift
 from echocal.correct.parquet.footer import PAGES, check
 from echocal.correct.parquet.thrift import STRUCT, Struct
 from echocal.correct.results import DISTANCE, LEVEL, RESULTS, STATUS, UNCERTAINTY, UNUSABLE, results
-from echocal.correct.rows import Rows
+from echocal.correct.rows import Rows, no_distance
 from echocal.errors import DataError
 from echocal.observations.arrow import arrow
 
@@ -51,8 +51,7 @@ def result_fields(first: str) -> list[Any]:
 
 def result_elements(first: str) -> list[Struct]:
     """Elements of the results in the schema of a file."""
-    nothing = Rows(np.zeros(0), np.zeros(0, np.float32), np.zeros(0, np.int16), ("",), (False,), (), first)
-    footer, _ = _written(columns_of(nothing), [0], "NONE", whole=True)
+    footer, _ = _written(columns_of(no_distance(0, first=first)), [0], "NONE", whole=True)
     return list(footer.struct[f.SCHEMA][1][1][1:])
 
 
@@ -91,10 +90,7 @@ def _of_constant(
 ) -> dict[str, tuple[Struct, bytes]]:
     if not names:
         return {}
-    nothing = Rows(
-        np.zeros(size), np.full(size, np.nan, np.float32), np.zeros(size, np.int16), ("",), (False,), ()
-    )
-    columns = {name: own for name, own in columns_of(nothing).items() if name in names}
+    columns = {name: own for name, own in columns_of(no_distance(size)).items() if name in names}
     return _encoded(columns, [size], codec, whole=whole)[0]
 
 

@@ -99,6 +99,11 @@ class Text:
         """Needed columns of all rows, block by block."""
         return map(self.parsed, self.blocks())
 
+    def tables_of(self, path: Path) -> Iterator[pd.DataFrame]:
+        """The same of a file of the same log."""
+        file = self.file if path == self.path else TextFile(path, self.job.reading.layout)
+        return Text(file, self.job, self.corrector.key).tables()
+
 
 def correct_text(
     source: TextFile,
@@ -188,26 +193,9 @@ def correct_blocks(
             held[place] = block
             yield text.parsed(block)
 
-    around = _surroundings(text, log)
+    around = surroundings(text.path, log, corrector, text.tables_of, job.memory)
     then = lambda rows, place: made(held.pop(place), rows)  # noqa: E731
     yield from corrected(tables(), corrector, tally, then, **around, threads=job.threads)
-
-
-def _surroundings(text: Text, log: Sequence[Path]) -> dict[str, Any]:
-    """What the rows depend on, besides themselves."""
-    if not text.corrector.remembers and len(log) < 2:
-        return {"context": Context()}
-    files = list(log) or [text.path]
-
-    def read(path: Path) -> pd.DataFrame:
-        file = text.file if path == text.path else TextFile(path, text.job.reading.layout)
-        tables = list(Text(file, text.job, text.corrector.key).tables())
-        return (
-            pd.concat(tables, ignore_index=True) if tables else pd.DataFrame(columns=text.corrector.columns)
-        )
-
-    found = surroundings(files, files.index(text.path), text.corrector, read, text.job.memory)
-    return {"context": found.context, "before": found.before, "after": found.after}
 
 
 def _around_the_names(file: TextFile) -> tuple[str, str, str, list[str]]:
