@@ -30,43 +30,22 @@ PLACED = ("distance_m", "stand")
 
 @dataclass(frozen=True)
 class Placement:
-    """Rows at one distance.
+    """Rows at one distance."""
 
-    Attributes
-    ----------
-    rows : pandas.DataFrame
-        Columns with echocal's names.
-    lines : int
-        Lines that came.
-    usable : int
-        Rows with an echo.
-    """
-
-    rows: pd.DataFrame
-    lines: int
-    usable: int
+    rows: pd.DataFrame  # columns with echocal's names
+    lines: int  # lines that came
+    usable: int  # rows with an echo
 
 
 @dataclass
 class Ruler:
-    """What is known of the lines, and the placements so far.
+    """What is known of the lines, and the placements so far."""
 
-    Attributes
-    ----------
-    options : ReadOptions
-        How lines are read.
-    heading : str
-        Names of the columns, where lines have none.
-    codes : dict of str to list of str
-        Error codes that mean "no value", by column of the table.
-    table : pandas.DataFrame
-        All placements.
-    """
-
-    options: ReadOptions
-    heading: str = ""
+    options: ReadOptions  # how lines are read
+    heading: str = ""  # names of the columns, where lines have none
     codes: dict[str, list[str]] = field(default_factory=dict)
-    table: pd.DataFrame = field(default_factory=pd.DataFrame)
+    """Error codes that mean "no value", by column of the table."""
+    table: pd.DataFrame = field(default_factory=pd.DataFrame)  # all placements
 
     def looked_at(self, lines: Sequence[str]) -> Inspection | None:
         """What lines hold; None where each says that no echo came.

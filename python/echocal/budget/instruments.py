@@ -15,31 +15,19 @@ Column = NDArray[np.float64]
 class Limits:
     """Limits of error of an instrument: its error is within them, and nothing more is known.
 
-    Attributes
-    ----------
-    name : str
-        As people call the instrument.
-    quantity : str
-        What it measures.
-    ranges : tuple of (float, float, float)
-        Lower end, upper end and half-width of the limits there [SI, temperatures in degC and K]; the first
-        range that holds a value counts.
-    resolution : float
-        Step of its indication [SI]; 0 where it is not stated.
-    source : str
-        Where the limits are from.
-
     Examples
     --------
     >>> INSTRUMENTS["thermometer"]["DS18B20"].half_width([20.0, -20.0, 130.0]).tolist()
     [0.5, 2.0, nan]
     """
 
-    name: str
-    quantity: str
+    name: str  # as people call the instrument
+    quantity: str  # what it measures
     ranges: tuple[tuple[float, float, float], ...]
-    resolution: float
-    source: str
+    """Lower end, upper end and half-width of the limits there [SI, temperatures in degC and K]; the first
+    range that holds a value counts."""
+    resolution: float  # step of its indication [SI]; 0 where it is not stated
+    source: str  # where the limits are from
 
     def half_width(self, values: object) -> Column:
         """Half-width of the limits at some values [SI]; NaN outside of the ranges."""

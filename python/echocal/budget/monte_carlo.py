@@ -24,27 +24,15 @@ _AGAIN = 100  # times that parameters beyond their bounds are drawn again
 
 @dataclass(frozen=True)
 class MonteCarlo:
-    """Distribution of each distance, as drawn.
-
-    Attributes
-    ----------
-    trials : int
-    mean : ndarray, shape (n,)
-        [m].
-    standard_uncertainty : ndarray, shape (n,)
-        Standard deviation of the draws [m].
-    low, high : ndarray, shape (n,)
-        Ends of the probabilistically symmetric coverage interval [m].
-    drawn_again : int
-        Draws of parameters that were beyond their bounds, and were replaced.
-    """
+    """Distribution of each distance, as drawn."""
 
     trials: int
-    mean: Column
-    standard_uncertainty: Column
+    mean: Column  # [m]; shape (n,)
+    standard_uncertainty: Column  # standard deviation of the draws [m]; shape (n,)
+    # low, high: ends of the probabilistically symmetric coverage interval [m]; shape (n,)
     low: Column
     high: Column
-    drawn_again: int = 0
+    drawn_again: int = 0  # draws of parameters that were beyond their bounds, and were replaced
 
 
 def simulated(

@@ -31,19 +31,13 @@ _OTHERS = (*INSTRUMENTS, "tape", *_STEPS, _LAW, "law")
 
 @dataclass(frozen=True)
 class Uncertainties:
-    """What the user states of the uncertainty of recorded or assumed values.
-
-    Attributes
-    ----------
-    stated : mapping of str to float
-        Standard uncertainties by name of the quantity, or ``echo_time`` [s] or ``reading`` [m]; in SI units,
-        temperatures in K. They are independent of each other and of the parameters of the model.
-    instruments : mapping of str to str
-        Instruments by their names: ``{"thermometer": "DHT22", "tape": "II", "timer_us": "4"}``.
-    """
+    """What the user states of the uncertainty of recorded or assumed values."""
 
     stated: Mapping[str, float] = field(default_factory=dict)
+    """Standard uncertainties by name of the quantity, or ``echo_time`` [s] or ``reading`` [m]; in SI
+    units, temperatures in K. They are independent of each other and of the parameters of the model."""
     instruments: Mapping[str, str] = field(default_factory=dict)
+    """Instruments by their names: ``{"thermometer": "DHT22", "tape": "II", "timer_us": "4"}``."""
 
     @classmethod
     def of(cls, texts: Sequence[str] | Mapping[str, Any]) -> "Uncertainties":

@@ -55,20 +55,12 @@ class Source:
 
 @dataclass(frozen=True)
 class Inputs:
-    """Files to correct.
+    """Files to correct."""
 
-    Attributes
-    ----------
-    files : tuple of Source
-        In the order of their names.
-    single : bool
-        Whether one file was named, so that the output is a file.
-    hidden, unknown : tuple of Path or Object
-        Files that are left out: by a name that begins with ``.`` or ``_``, and by an unknown ending.
-    """
-
-    files: tuple[Source, ...]
-    single: bool
+    files: tuple[Source, ...]  # in the order of their names
+    single: bool  # whether one file was named, so that the output is a file
+    # hidden, unknown: files that are left out: by a name that begins with ``.`` or ``_``, and by an unknown
+    # ending
     hidden: tuple[Place, ...] = field(default=())
     unknown: tuple[Place, ...] = field(default=())
 

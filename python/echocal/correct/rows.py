@@ -59,30 +59,15 @@ class Reading(ReadOptions):
 
 @dataclass(frozen=True)
 class Rows:
-    """Corrected rows.
+    """Corrected rows."""
 
-    Attributes
-    ----------
-    distance : ndarray, shape (n,)
-        Corrected distance [m]; NaN where there is none.
-    uncertainty : ndarray of float32, shape (n,)
-        Its standard uncertainty [m]; NaN where there is none, or none was stated.
-    codes : ndarray of int16, shape (n,)
-        Position of the reason in `reasons`; 0 is none.
-    reasons : tuple of str
-        The first one is empty.
-    unusable : tuple of bool
-        Whether rows with that reason have no distance.
-    notes : tuple of str
-        What a person should know.
-    """
-
-    distance: NDArray[np.float64]
+    distance: NDArray[np.float64]  # [m]; NaN where there is none; shape (n,)
     uncertainty: NDArray[np.float32]
-    codes: NDArray[np.int16]
-    reasons: tuple[str, ...]
-    unusable: tuple[bool, ...]
-    notes: tuple[str, ...]
+    """Its standard uncertainty [m]; NaN where there is none, or none was stated; shape (n,)."""
+    codes: NDArray[np.int16]  # position of the reason in `reasons`; 0 is none; shape (n,)
+    reasons: tuple[str, ...]  # the first one is empty
+    unusable: tuple[bool, ...]  # whether rows with that reason have no distance
+    notes: tuple[str, ...]  # what a person should know
     first: str = DISTANCE
     """Name of the first result: a level is corrected to a level."""
     outside: Mapping[str, tuple[int, int, float]] = field(default_factory=dict)

@@ -36,40 +36,19 @@ TRUTH = "true_air_degC"
 
 @dataclass(frozen=True)
 class Inputs:
-    """Rows for the board.
+    """Rows for the board."""
 
-    Attributes
-    ----------
-    echo : ndarray, shape (n,)
-        Length of ECHO [s]; NaN for a missed echo.
-    temperature, relative_humidity : ndarray, shape (n,)
-        Of the air [degC], [1].
-    distance : ndarray, shape (n,), or None
-        Of the target [m], if it is known.
-    ideal : ndarray, shape (n,), or None
-        Echo time of this distance in this air, 2 d / c [s].
-    seconds : ndarray, shape (n,), or None
-        Times of the rows [s], if there are any.
-    radiation : ndarray, shape (n,)
-        Irradiance of the sun [W/m2].
-    kept : DataFrame
-        Further columns, which stay in the result.
-    names : tuple of str
-        Columns of the table.
-    pressure : ndarray, shape (n,)
-        Of the air [Pa].
-    """
-
-    echo: Column
+    echo: Column  # length of ECHO [s]; NaN for a missed echo; shape (n,)
+    # temperature, relative_humidity: of the air [degC], [1]; shape (n,)
     temperature: Column
     relative_humidity: Column
-    distance: Column | None
-    ideal: Column | None = None
-    seconds: Column | None = None
-    radiation: Column = field(default_factory=lambda: np.zeros(1))
-    kept: pd.DataFrame = field(default_factory=pd.DataFrame)
-    names: tuple[str, ...] = ()
-    pressure: Column = field(default_factory=lambda: np.full(1, _STANDARD))
+    distance: Column | None  # of the target [m], if it is known; shape (n,)
+    ideal: Column | None = None  # echo time of this distance in this air, 2 d / c [s]; shape (n,)
+    seconds: Column | None = None  # times of the rows [s]; shape (n,)
+    radiation: Column = field(default_factory=lambda: np.zeros(1))  # irradiance of the sun [W/m2]; shape (n,)
+    kept: pd.DataFrame = field(default_factory=pd.DataFrame)  # further columns, which stay in the result
+    names: tuple[str, ...] = ()  # columns of the table
+    pressure: Column = field(default_factory=lambda: np.full(1, _STANDARD))  # of the air [Pa]; shape (n,)
 
 
 def from_ranges(

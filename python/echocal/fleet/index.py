@@ -16,20 +16,12 @@ __all__ = ["Files", "Index", "Sensor", "files_of", "indexed"]
 
 @dataclass
 class Sensor:
-    """Where the rows of a sensor are.
-
-    Attributes
-    ----------
-    key : str
-    kind : str
-        Empty: all sensors are of one kind.
-    files : list of (Source, int)
-        Each file with rows of the sensor, and their number.
-    """
+    """Where the rows of a sensor are."""
 
     key: str
-    kind: str = ""
+    kind: str = ""  # empty: all sensors are of one kind
     files: list[tuple[Source, int]] = field(default_factory=list)
+    """Each file with rows of the sensor, and their number."""
 
     @property
     def rows(self) -> int:

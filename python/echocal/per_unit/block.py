@@ -32,21 +32,11 @@ def crc16(data: bytes) -> int:
 
 @dataclass(frozen=True)
 class Block:
-    """The parameters of one unit.
+    """The parameters of one unit."""
 
-    Attributes
-    ----------
-    number : int
-        Number of the unit, 0 to 4,294,967,295.
-    delay : int
-        Delay [2^-5 us].
-    rate : int
-        Rate ``f / (1 + f)`` of a frequency error ``f`` [2^-19].
-    """
-
-    number: int
-    delay: int
-    rate: int
+    number: int  # of the unit, 0 to 4,294,967,295
+    delay: int  # [2^-5 us]
+    rate: int  # ``f / (1 + f)`` of a frequency error ``f`` [2^-19]
 
     def to_bytes(self) -> bytes:
         """Return the block.

@@ -18,25 +18,15 @@ class Parameter:
 
     It changes an echo time by a straight line that is the same at every distance and in all conditions. So
     the function that is proven for one value of it is proven for all.
-
-    Attributes
-    ----------
-    effect, name : str
-        The effect, and its parameter.
-    unit : str
-        Unit in a model, and of a box.
-    steps : float
-        How many steps of the block make one unit.
-    reach : float
-        Half the width of the default box, around the value of the model. Both together stay below 256 echo
-        codes of 1 us at 4 m, so that one byte holds the whole codes and one byte their fraction.
     """
 
     effect: str
     name: str
-    unit: str
-    steps: float
+    unit: str  # unit in a model, and of a box
+    steps: float  # how many steps of the block make one unit
     reach: float
+    """Half the width of the default box, around the value of the model. Both together stay below 256 echo
+    codes of 1 us at 4 m, so that one byte holds the whole codes and one byte their fraction."""
 
     @property
     def key(self) -> str:
@@ -70,24 +60,15 @@ PARAMETERS = (
 
 @dataclass(frozen=True)
 class Side:
-    """The allowed values of one parameter.
-
-    Attributes
-    ----------
-    parameter : Parameter
-    low, high : float
-        Ends, included.
-    default : float
-        The value of the model, which a unit without a valid block gets.
-    free : bool
-        Whether units differ in it. Otherwise both ends are the value of the model.
-    """
+    """The allowed values of one parameter."""
 
     parameter: Parameter
+    # low, high: ends, included
     low: float
     high: float
-    default: float
+    default: float  # the value of the model, which a unit without a valid block gets
     free: bool
+    """Whether units differ in it. Otherwise both ends are the value of the model."""
 
     @property
     def least(self) -> int:
@@ -107,12 +88,7 @@ class Side:
 
 @dataclass(frozen=True)
 class Box:
-    """The allowed parameters of a unit.
-
-    Attributes
-    ----------
-    delay, clock : Side
-    """
+    """The allowed parameters of a unit."""
 
     delay: Side
     clock: Side

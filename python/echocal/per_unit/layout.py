@@ -20,21 +20,11 @@ _FEW_PLACES = 2  # a shift of an AVR by one byte is free, by two bits takes four
 
 @dataclass(frozen=True)
 class Echoes:
-    """The echo codes of the function underneath, and how far one of them is.
+    """The echo codes of the function underneath, and how far one of them is."""
 
-    Attributes
-    ----------
-    tick : float
-        Echo time of one code [us].
-    last : int
-        Last accepted code.
-    slopes : tuple of float
-        Least and greatest distance of one code, over all conditions [um].
-    """
-
-    tick: float
-    last: int
-    slopes: tuple[float, float]
+    tick: float  # echo time of one code [us]
+    last: int  # last accepted code
+    slopes: tuple[float, float]  # least and greatest distance of one code, over all conditions [um]
 
 
 @dataclass(frozen=True)
@@ -44,24 +34,14 @@ class Layout:
     What it corrects to is the code of the unit with the least parameters. A unit adds to that, in codes,
     ``code * (r - r0) / (1 - r0) + (d - d0) / (1 - r0) / tick``, with its delay ``d`` and its rate
     ``r = f / (1 + f)``.
-
-    Attributes
-    ----------
-    box : Box
-    echoes : Echoes
-    places : int
-        Binary places of what is added.
-    center : int
-        Added to the delay, so that errors of both signs are equally large [2^-places codes].
-    slope : int
-        Distance of a whole code [um], by which the fraction is taken off the output; 0 where it is not.
     """
 
     box: Box
     echoes: Echoes
-    places: int
-    center: int
+    places: int  # binary places of what is added
+    center: int  # added to the delay, so that errors of both signs are equally large [2^-places codes]
     slope: int
+    """Distance of a whole code [um], by which the fraction is taken off the output; 0 where it is not."""
 
     @classmethod
     def of(cls, box: Box, echoes: Echoes, *, fine: bool, bytewise: bool) -> "Layout":

@@ -33,17 +33,6 @@ CHOICES = ("", *NAMES, EXTRA, IGNORE)
 class Session:
     r"""A log and what was made of it. The file stays in a folder of its own until `close`.
 
-    Attributes
-    ----------
-    folder : Path
-    name : str
-        Name of the log.
-    inspection : Inspection or None
-        What its columns are taken for.
-    diagnosis : Diagnosis or None
-    notes : list of str
-        What the last firmware assumes beyond the range of its law.
-
     Examples
     --------
     >>> session = Session()
@@ -58,10 +47,11 @@ class Session:
     """
 
     folder: Path = field(default_factory=lambda: Path(tempfile.mkdtemp(prefix="echocal-")))
-    name: str = ""
-    inspection: Inspection | None = None
+    name: str = ""  # name of the log
+    inspection: Inspection | None = None  # what its columns are taken for
     diagnosis: Diagnosis | None = None
     notes: list[str] = field(default_factory=list)
+    """What the last firmware assumes beyond the range of its law."""
     _stated: dict[str, str] = field(default_factory=dict)
     _asked: dict[str, Any] = field(default_factory=dict)
     _beside: dict[str, Any] = field(default_factory=dict)

@@ -76,21 +76,11 @@ SHOWN = {"m": (1e3, "mm"), "s": (1e6, "µs"), "1": (1e2, "%"), "K": (1.0, "K")}
 
 @dataclass(frozen=True)
 class Alternative:
-    """A single change that may explain the Tinkercad column.
+    """A single change that may explain the Tinkercad column."""
 
-    Attributes
-    ----------
-    cause : str
-        Name of the parameter.
-    estimate : Estimate
-        Its value with standard uncertainty.
-    residual_standard_deviation : float
-        What the change leaves [m].
-    """
-
-    cause: str
-    estimate: Estimate
-    residual_standard_deviation: float
+    cause: str  # name of the parameter
+    estimate: Estimate  # its value with standard uncertainty
+    residual_standard_deviation: float  # what the change leaves [m]
 
     def __str__(self) -> str:
         factor, unit = SHOWN[self.estimate.unit]

@@ -139,21 +139,12 @@ class Thermometer:
 
 @dataclass(frozen=True)
 class AnalogThermometer(Thermometer):
-    """A thermometer with a voltage at its output.
+    """A thermometer with a voltage at its output."""
 
-    Attributes
-    ----------
-    slope : float
-        Volts in a kelvin [V/K].
-    at_zero : float
-        Voltage at 0 degC [V].
-    ratiometric : bool
-        Whether the voltage is proportional to the supply; `slope` and `at_zero` then hold at 5 V.
-    """
-
-    slope: float = 0.01
-    at_zero: float = 0.0
+    slope: float = 0.01  # volts in a kelvin [V/K]
+    at_zero: float = 0.0  # voltage at 0 degC [V]
     ratiometric: bool = False
+    """Whether the voltage is proportional to the supply; `slope` and `at_zero` then hold at 5 V."""
 
     def voltage(self, recorded: ArrayLike, supply: float = 5.0) -> Column:
         """Voltage at the output [V] for what `record` gives [degC], at a supply [V].

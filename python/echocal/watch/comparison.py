@@ -30,22 +30,13 @@ _USUAL = 128
 
 @dataclass
 class Target:
-    """The sensors of one target, and where each is beside the median of all.
+    """The sensors of one target, and where each is beside the median of all."""
 
-    Attributes
-    ----------
-    latest : dict of str to (time, distance)
-        Of each sensor, its last row [s, m].
-    paths : dict of str to list of (row, time, deviation, usual, weight)
-        Of each sensor: the number of the row among those of the target, its time [s], its distance from the
-        median of all [m], the mean of this before the row, and how many rows this mean is of.
-    rows : int
-        Rows of all sensors.
-    """
-
-    latest: dict[str, list[float]] = field(default_factory=dict)
+    latest: dict[str, list[float]] = field(default_factory=dict)  # of each sensor, its last row [s, m]
     paths: dict[str, list[list[float]]] = field(default_factory=dict)
-    rows: int = 0
+    """Of each sensor: the number of the row among those of the target, its time [s], its distance from the
+    median of all [m], the mean of this before the row, and how many rows this mean is of."""
+    rows: int = 0  # rows of all sensors
 
     def add(self, sensor: str, time: float, distance: float, within: float) -> float:
         """Take one row in, and return the median of the other sensors; NaN where none has a fresh row.

@@ -27,18 +27,10 @@ _LONGEST = 1000  # letters of a name, and fields of a row: what reads names take
 
 @dataclass(frozen=True)
 class Columns:
-    """What the columns of a row are.
-
-    Attributes
-    ----------
-    names : tuple of str
-    requests : dict of str to str
-        Meaning of columns, with what names and units say.
-    plan : Plan
-    """
+    """What the columns of a row are."""
 
     names: tuple[str, ...]
-    requests: dict[str, str]
+    requests: dict[str, str]  # meaning of columns, with what names and units say
     plan: Plan
 
     @property

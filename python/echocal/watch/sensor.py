@@ -81,31 +81,15 @@ class Host(Protocol):
 
 @dataclass
 class Sensor:
-    """The rows of one sensor, in the order in which they come.
-
-    Attributes
-    ----------
-    id : str
-    model : Model
-    settings : WatchSettings
-    reference : {"column", "distance", "constant", "others", "none"}
-        Where its reference distance comes from.
-    interval : float or None
-        Time between rows [s] that the user states.
-    mark_rows : bool
-        Whether rules of the model mark rows.
-    window : list of Entry
-        Rows that wait for later ones, and the corrected ones before them that their marks look at.
-    done : int
-        How many of them are corrected.
-    """
+    """The rows of one sensor, in the order in which they come."""
 
     id: str
     model: Model
     settings: WatchSettings
     reference: str
-    interval: float | None = None
-    mark_rows: bool = True
+    """Where its reference distance comes from; one of "column", "distance", "constant", "others", "none"."""
+    interval: float | None = None  # time between rows [s] that the user states
+    mark_rows: bool = True  # whether rules of the model mark rows
     monitor: Monitor = field(init=False)
     clock: Clock = field(init=False)
     times: Times = field(default_factory=lambda: Times(""))
@@ -117,7 +101,8 @@ class Sensor:
     ignored: int = 0
     rows: int = 0
     window: list[Entry] = field(default_factory=list)
-    done: int = 0
+    """Rows that wait for later ones, and the corrected ones before them that their marks look at."""
+    done: int = 0  # how many of them are corrected
     dated: bool = False
     requests: dict[str, str] = field(default_factory=dict)
     _signatures: Signatures | None = None

@@ -71,22 +71,13 @@ class Request:
 
 @dataclass(frozen=True)
 class Estimate:
-    """Times of the echoes, from the start of the window.
+    """Times of the echoes, from the start of the window."""
 
-    Attributes
-    ----------
-    time, standard_uncertainty : ndarray, shape (n,)
-        [s]; the uncertainty for noise that is known.
-    cycle_ambiguity : ndarray
-        Probability that another cycle is the right one [1].
-    missing : ndarray of bool, or None
-        Where the method finds no echo although there is one.
-    """
-
+    # time, standard_uncertainty: [s]; the uncertainty for noise that is known; shape (n,)
     time: Real
     standard_uncertainty: Real
-    cycle_ambiguity: Real
-    missing: NDArray[np.bool_] | None = None
+    cycle_ambiguity: Real  # probability that another cycle is the right one [1]
+    missing: NDArray[np.bool_] | None = None  # where the method finds no echo although there is one
 
 
 Estimator: TypeAlias = Callable[[Request, Detection], Estimate]

@@ -160,21 +160,12 @@ class Pattern:
 
 @dataclass(frozen=True)
 class Verdict:
-    """Whether a suspect alone could have made the Tinkercad column.
-
-    Attributes
-    ----------
-    excluded_by : tuple of str
-        Of ``sign``, ``size``, ``slope``, ``step``, ``absent``; empty if the suspect remains.
-    size : float or None
-        Size that the table needs, where it is free.
-    size_error : float or None
-        Its standard error.
-    """
+    """Whether a suspect alone could have made the Tinkercad column."""
 
     excluded_by: tuple[str, ...]
-    size: float | None = None
-    size_error: float | None = None
+    """Of ``sign``, ``size``, ``slope``, ``step``, ``absent``; empty if the suspect remains."""
+    size: float | None = None  # size that the table needs, where it is free
+    size_error: float | None = None  # its standard error
 
     @property
     def remains(self) -> bool:

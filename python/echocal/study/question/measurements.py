@@ -41,27 +41,14 @@ Channel = Callable[[Suspect, float, Effects], float]
 
 @dataclass(frozen=True)
 class Measurement:
-    """A further measurement.
-
-    Attributes
-    ----------
-    id, title : str
-    how : str
-        What the person does.
-    channels : tuple of Channel
-        Values that it gives.
-    error : callable
-        Standard error of each value [mm].
-    replaced : bool
-        Whether the target is placed anew, so that its offset is another one.
-    """
+    """A further measurement."""
 
     id: str
     title: str
-    how: str
-    channels: tuple[Channel, ...]
-    error: Callable[[Effects], float]
-    replaced: bool = False
+    how: str  # what the person does
+    channels: tuple[Channel, ...]  # values that it gives
+    error: Callable[[Effects], float]  # standard error of each value [mm]
+    replaced: bool = False  # whether the target is placed anew, so that its offset is another one
 
 
 @dataclass(frozen=True)
