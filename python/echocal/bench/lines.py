@@ -14,12 +14,8 @@ _FIRST = 5  # lines in which a program tells the names of its columns
 def block(line: Callable[[], str], cut: Callable[[str], None]) -> list[str]:
     """Lines up to an empty one, or the end; a last line without its end may be cut, and is left out.
 
-    Parameters
-    ----------
-    line : callable
-        Gives the next line with its end; an empty text where there is none.
-    cut : callable
-        Is told the line that is left out.
+    `line` gives the next line with its end, an empty text where there is none; `cut` is told the line that
+    is left out.
     """
     lines = []
     while (text := line()).strip():

@@ -27,14 +27,8 @@ def places_of(span: Span) -> list[float]:
 def next_place(span: Span, visited: Sequence[float], diagnosis: Diagnosis | None) -> float:
     """The place that was visited least; of several the one farthest from the last: far and near take turns.
 
-    Parameters
-    ----------
-    span : tuple of float
-        Nearest and farthest distance [m].
-    visited : sequence of float
-        Proposed places so far [m].
-    diagnosis : Diagnosis or None
-        Of the rows so far; where it proposes rows, the target goes to their places.
+    `span` is the nearest and the farthest distance, `visited` the proposed places so far [m]. Where the
+    diagnosis of the rows so far proposes rows, the target goes to their places.
 
     Examples
     --------

@@ -50,10 +50,7 @@ class Ruler:
     def looked_at(self, lines: Sequence[str]) -> Inspection | None:
         """What lines hold; None where each says that no echo came.
 
-        Raises
-        ------
-        DataError
-            If they cannot be read.
+        Raises `DataError` if they cannot be read.
         """
         if all(map(says_no_echo, lines)):
             return None
@@ -103,10 +100,7 @@ class Ruler:
     def placement(self, lines: Sequence[str], distance: float) -> Placement:
         """The rows of a placement, where the target is so far away [m].
 
-        Raises
-        ------
-        DataError
-            If lines cannot be read as those before.
+        Raises `DataError` if lines cannot be read as those before.
         """
         found = self.looked_at(lines)
         if found is None:

@@ -227,10 +227,7 @@ def _of_steps(rows: Observations, stated: Uncertainties, known: float) -> list[s
 def observations_of(model: Model, given: dict[str, Any]) -> Observations:
     """Rows for every combination of distances and conditions; the last one changes fastest.
 
-    Raises
-    ------
-    UsageError
-        If a name or a range cannot be understood, or there are too many combinations.
+    Raises `UsageError` if a name or a range cannot be understood, or there are too many combinations.
     """
     known = ("distance", *QUANTITIES)
     for name in given:

@@ -59,18 +59,8 @@ def budget_of_errors(
 ) -> Itemized:
     """Budget of errors of indication: only what is stated and the join of a reference.
 
-    The device and its model are what is examined.
-
-    Parameters
-    ----------
-    observations : Observations, of n rows
-        With reference distances.
-    model : Model or None
-        The model that corrects; None for the indications as they are.
-    indication : ndarray, shape (n,)
-        [m].
-    law : str
-        Law that turns echo times into indications, where the table has no readings and there is no model.
+    The device and its model are what is examined; without a model the indications [m] stay as they are.
+    `law` turns echo times into indications, where the table has no readings and there is no model.
     """
     own = Uncertainties.with_conditions(uncertainties, uncertain(observations))
     bare = model is None and observations.reading is not None

@@ -60,14 +60,7 @@ def conformity_probability(
 ) -> Column:
     """Probability that a true error is within ``+-bound`` (JCGM 106:2012, 7.2), given what was measured.
 
-    Parameters
-    ----------
-    error : ndarray
-        Measured error [m]; 0 where none was measured.
-    uncertainty : ndarray
-        Its standard uncertainty [m].
-    bound : float
-        Maximum permissible error [m].
+    The measured error, 0 where none was measured, its standard uncertainty and the bound are in m.
 
     Examples
     --------

@@ -130,10 +130,7 @@ class Itemized:
     def refuse_unknown(self, distance: Column) -> None:
         """Refuse rows with a distance where the size of a source is not known.
 
-        Raises
-        ------
-        DataError
-            With the source, the number of rows and the first of them.
+        Raises `DataError` with the source, the number of rows and the first of them.
         """
         for entry in self.entries:
             lost = np.isfinite(distance) & np.isnan(entry.standard_uncertainty)
@@ -175,15 +172,8 @@ def itemized(
     The model brings the covariance of its parameters, its unexplained term or smooth correction and its
     residual uncertainty. The user states the rest. The sensitivity to an influence quantity is half the
     change of the distance between one standard uncertainty above and below, divided by that uncertainty
-    (JCGM 100:2008, 5.1.3, note 2), at the recorded echo time.
-
-    Parameters
-    ----------
-    observations : Observations, of n rows
-    model : Model
-    distance : ndarray, shape (n,)
-        Corrected distances [m].
-    uncertainties : Uncertainties
+    (JCGM 100:2008, 5.1.3, note 2), at the recorded echo time. `distance`, shape (n,), has the corrected
+    distances of the n rows [m].
     """
     given = conditions_of(observations, model)
     with warnings.catch_warnings(action="ignore", category=DomainWarning):  # told with the distances

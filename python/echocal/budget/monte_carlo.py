@@ -45,20 +45,9 @@ def simulated(
 ) -> MonteCarlo:
     """Draw every input quantity from its distribution, and compute the distances anew.
 
-    The echo time, the influence quantities and the parameters go through the whole model. What a model
-    or a tape adds to a distance (residual, term without a cause, law, tape) is added to it.
-
-    Parameters
-    ----------
-    observations : Observations, of n rows
-    model : Model
-    found : Itemized
-        The entries of the budget of these rows.
-    trials : int
-        Number of draws.
-    coverage : float
-        Coverage probability of the interval.
-    random : numpy.random.Generator
+    The echo time, the influence quantities and the parameters go through the whole model. What a model or a
+    tape adds to a distance (residual, term without a cause, law, tape) is added to it. `found` has the
+    entries of the budget of these rows, and `coverage` is the probability of the interval.
     """
     drawn = {
         id(entry): _drawn(entry, trials, random) for entry in found.entries if entry.group != "parameters"

@@ -43,10 +43,7 @@ class Uncertainties:
     def of(cls, texts: Sequence[str] | Mapping[str, Any]) -> "Uncertainties":
         """From texts such as ``temperature_C=0.5`` or ``thermometer=DHT22``, or the same as a mapping.
 
-        Raises
-        ------
-        UsageError
-            If a name or a number cannot be understood, or one uncertainty would count twice.
+        Raises `UsageError` if a name or a number cannot be understood, or one uncertainty would count twice.
 
         Examples
         --------
@@ -84,10 +81,7 @@ class Uncertainties:
     def with_conditions(cls, own: Any, conditions: Mapping[str, float]) -> "Uncertainties":
         """What is stated, and standard uncertainties [SI] of stated conditions where it says nothing else.
 
-        Raises
-        ------
-        UsageError
-            If a condition is stated, and an instrument as well that would have measured it.
+        Raises `UsageError` if a condition is stated, and an instrument as well that would have measured it.
 
         Examples
         --------

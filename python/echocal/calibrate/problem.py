@@ -239,24 +239,8 @@ class Solution:
 def solve(problem: Problem, loss: str, loss_scale: float | None) -> Solution:
     """Find the values and propagate the scatter to their covariance.
 
-    Parameters
-    ----------
-    problem : Problem
-        What is fitted, to which rows.
-    loss : str
-        One of `echocal.calibrate.problem.LOSSES`.
-    loss_scale : float or None
-        Residual at which the loss turns robust; None takes it from the residuals.
-
-    Returns
-    -------
-    Solution
-        Values, covariance, residuals and their standard deviation.
-
-    Raises
-    ------
-    ModelError
-        If the rows cannot identify a parameter.
+    `loss_scale` is the residual at which the loss turns robust; None takes it from the residuals. Raises
+    `ModelError` if the rows cannot identify a parameter.
     """
     values = problem.first()
     _require_rank(problem.jacobian(values), problem.parameters)

@@ -185,18 +185,9 @@ def _column(observations: Observations, name: str) -> Column:
 class Chain:
     """A `Model` with some of its parameters free.
 
-    Parameters
-    ----------
-    model : Model
-        The model; its own values are where the search begins.
-    fit : iterable of str
-        ``"fixed_delay.delay"``, ``"fixed_delay"`` for all its parameters, ``"law.intercept"``
-        and ``"law.slope"`` where the law is linear. An effect that the model lacks is added.
-
-    Raises
-    ------
-    UsageError
-        If a name is unknown or repeated, or the law has no such coefficient.
+    `fit` names parameters as in `echocal.calibrate`; an effect that the model lacks is added. The values of
+    the model are where the search begins. Raises `UsageError` if a name is unknown or repeated, or the law
+    has no such coefficient.
     """
 
     unit = "m"

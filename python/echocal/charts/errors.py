@@ -166,11 +166,6 @@ def by_correlation(diagnosis: Diagnosis) -> list[str]:
     """Columns that vary, those first that the change by the model (or the residual) follows most.
 
     The first one is the column that a sentence about the whole change would name.
-
-    Returns
-    -------
-    list of str
-        Names in ``diagnosis.traces.against``.
     """
     traces = diagnosis.traces
     changed = traces.before - traces.after
@@ -182,13 +177,7 @@ def by_correlation(diagnosis: Diagnosis) -> list[str]:
 
 
 def drawn_columns(diagnosis: Diagnosis, most: int) -> list[str]:
-    """The first columns by correlation, without those that repeat another one; time wherever it is recorded.
-
-    Parameters
-    ----------
-    most : int
-        Number of columns, 1 at least.
-    """
+    """The first columns by correlation, without repeated ones; time wherever it is recorded."""
     against = diagnosis.traces.against
     every = by_correlation(diagnosis)
     if "time" in every and "row" in every:

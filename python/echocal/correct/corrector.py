@@ -92,14 +92,8 @@ class Tally:
 class Corrector:
     """Corrects the rows of a table that comes in parts.
 
-    Raises `DataError` if the table was corrected before, or lacks the column of the key.
-
-    Parameters
-    ----------
-    names : collection of str
-        Columns of the table.
-    key : str or None
-        Key of all rows; None: each row has its own, in the column `Models.by`.
+    Raises `DataError` if the table was corrected before, or lacks the column of the key. `key` is that of
+    all rows; None: each row has its own, in the column `Models.by`.
     """
 
     def __init__(self, names: Collection[str], job: Job, key: str | None = None) -> None:

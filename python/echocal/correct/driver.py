@@ -110,16 +110,8 @@ def run(
     """Correct the files of a folder, those that are not done yet; call it within `alone`.
 
     Raises `UsageError` if the folder was begun with another model, it cannot be written, or a worker of the
-    engine would do other work than this process.
-
-    Parameters
-    ----------
-    tasks : mapping of str to dict
-        Task of each file by the place of its output.
-    out : Path or Object
-        Folder of the outputs.
-    force : bool
-        Begin anew where the folder was begun with another model.
+    engine would do other work than this process. `tasks` has the task of each file by the place of its
+    output. With `force` a folder that was begun with another model is begun anew.
     """
     summary = Summary()
     first = next(iter(tasks.values()))
@@ -158,12 +150,8 @@ def run(
 def alone(out: Place) -> Iterator[bool]:
     """Keep other runs out, and remove what killed ones left behind; a store has neither locks nor strays.
 
-    Raises `UsageError` if another run writes the folder.
-
-    Yields
-    ------
-    bool
-        Whether the run before was killed: by one of its files, perhaps.
+    Raises `UsageError` if another run writes the folder. Yields whether the run before was killed: by one of
+    its files, perhaps.
     """
     if isinstance(out, Object):
         yield False

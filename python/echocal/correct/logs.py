@@ -48,14 +48,9 @@ def surroundings(
 ) -> dict[str, Any]:
     """What the rows of a file depend on besides themselves, as `echocal.correct.stream.corrected` takes it.
 
-    Raises `DataError` if the log is larger than the memory, or its files overlap in time.
-
-    Parameters
-    ----------
-    log : sequence of Path
-        The files of the log, in any order; empty for the file alone.
-    read : callable
-        Reads the needed columns of a file, piece by piece.
+    Raises `DataError` if the log is larger than the memory, or its files overlap in time. `log` has the
+    files of the log in any order, none for the file alone; `read` gives the needed columns of a file, piece
+    by piece.
     """
     if not corrector.remembers and (len(log) < 2 or not corrector.rows_around):
         return {"context": Context()}

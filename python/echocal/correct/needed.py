@@ -73,13 +73,9 @@ def needed(
 ) -> Needed:
     """Find the columns that a model reads among those of a table.
 
-    Where a log may have several files (`ordered`), marks that look at rows around need the times, too:
-    only they tell which file is the next.
-
-    Raises
-    ------
-    UsageError, DataError
-        As `echocal.read_observations`, if a request or the name of a column cannot be understood.
+    Where a log may have several files (`ordered`), marks that look at rows around need the times, too: only
+    they tell which file is the next. Raises `UsageError` or `DataError` as `echocal.read_observations`, if a
+    request or the name of a column cannot be understood.
     """
     refuse_repeated(names)
     requests = mounted_as(requests, model)

@@ -36,13 +36,8 @@ def parquet_to_text(
 ) -> Tally:
     """Correct a Parquet file into a text file; see `correct_parquet`.
 
-    Raises `DataError` if the file cannot be read, a value cannot be text, or a model needs what the file does
-    not have; `out` is incomplete then.
-
-    Parameters
-    ----------
-    ending : str
-        Of the output: ``.csv``, ``.tsv.gz``, ...
+    Raises `DataError` if the file cannot be read, a value cannot be text, or a model needs what the file
+    does not have; `out` is incomplete then. The `ending` is that of the output: ``.csv``, ``.tsv.gz``, ...
     """
     if job.append_only is not None:
         raise UsageError(f"{keyword('append_only')} is for Parquet to Parquet")

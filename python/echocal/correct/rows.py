@@ -106,17 +106,9 @@ def correct_rows(
 ) -> Rows:
     """Correct every row of a table, or of a part of one, that has the needed columns.
 
-    Raises `DataError` if the columns cannot be read, or the model needs another one.
-
-    Parameters
-    ----------
-    table : pandas.DataFrame, shape (n, m)
-        At least the columns of `needed`.
-    part : Part, optional
-        What a part needs to know of the whole table; what it counts is added there.
-    groups : sequence of (Model, slice), optional
-        Models of some rows each, which read the same columns in the same way as `model`, and have neither
-        terms without a cause nor rules for rows.
+    Raises `DataError` if the columns cannot be read, or the model needs another one. What a `part` counts is
+    added to it. The models of `groups` are of some rows each; they read the same columns in the same way as
+    `model`, and have neither terms without a cause nor rules for rows.
     """
     observations, assembly = _observed(table, model, needed, reading, part)
     if groups:

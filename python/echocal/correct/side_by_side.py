@@ -21,10 +21,7 @@ __all__ = ["correct_rangers", "ranger_file", "rangers_of"]
 def rangers_of(by: str | None, models: str | Path | None) -> dict[str, Model]:
     """Model of each ranger that `by` names, as ``"left_cm,right_cm"``; none where it names one column.
 
-    Raises
-    ------
-    UsageError
-        If one of several rangers has no model, or there is no folder of models.
+    Raises `UsageError` if one of several rangers has no model, or there is no folder of models.
 
     Examples
     --------
@@ -60,30 +57,8 @@ def correct_rangers(
 ) -> dict[str, "Summary"]:
     """Correct one table once for each ranger, into a folder with a file for each.
 
-    Parameters
-    ----------
-    work : callable
-        `echocal.correct_files`.
-    source : path
-        The table.
-    out : path
-        The folder.
-    rangers : mapping of str to Model
-        By the column of the ranger.
-    columns : mapping of str to str
-        Meaning of columns.
-    **how
-        Further arguments of `work`.
-
-    Returns
-    -------
-    dict of str to Summary
-        By the name of the file.
-
-    Raises
-    ------
-    UsageError
-        If the output is named as a file, or the input is a folder.
+    `work` is `echocal.correct_files`, which gets `how`; the results are by the name of the file. Raises
+    `UsageError` if the output is named as a file, or the input is a folder.
     """
     inputs = find_inputs(str(source))
     if not inputs.single or out.suffix in ENDINGS:

@@ -40,15 +40,8 @@ def with_neighbors(
 ) -> Iterator[tuple[pd.DataFrame, int, int, int]]:
     """Tables with so many rows of their neighbors on both sides.
 
-    Yields
-    ------
-    table : pandas.DataFrame
-    lead : int
-        Rows of neighbors before.
-    rows : int
-        Own rows.
-    begin : int
-        Place of the first of all rows, counted from the first row of `before`.
+    Yields the table, the rows of neighbors before, its own rows, and the place of the first of all rows,
+    counted from the first row of `before`.
     """
     if not around:
         at = 0

@@ -195,12 +195,7 @@ def said_of(marked: Mapping[str, int]) -> tuple[str, ...]:
 def appended(table: Any, whole: pd.DataFrame, results: Mapping[str, NDArray[Any]]) -> Any:
     """A table with columns more; nothing that it holds is changed.
 
-    Parameters
-    ----------
-    whole : pandas.DataFrame
-        What was loaded of it: the result where its kind holds no columns, or is not known.
-    results : mapping of str to ndarray, shape (n,)
-        New columns by name.
+    `whole` is what was loaded of the table: the result where its kind holds no columns, or is not known.
     """
     library = type(table).__module__.partition(".")[0]
     if isinstance(table, pd.DataFrame):

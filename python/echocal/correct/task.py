@@ -47,19 +47,10 @@ _OF_THE_NAME = {
 def run_task(task: Mapping[str, Any], progress: Callable[[int], None] = lambda rows: None) -> dict[str, Any]:
     """Correct one file.
 
-    Parameters
-    ----------
-    task : mapping
-        Plain data, as `echocal.correct.driver.task_of` makes it: schema, version, source, target, key, log
-        and job. Of a run over a folder also ``owner``, see `echocal.correct.manifest.check_owner`.
-    progress : callable
-        Told the rows of each piece that is done.
-
-    Returns
-    -------
-    dict
-        Plain data: what was done, or under ``error`` why the file was set aside. Whatever is wrong with a
-        file never raises.
+    The task is plain data, as `echocal.correct.driver.task_of` makes it; of a run over a folder it has
+    ``owner``, too, see `echocal.correct.manifest.check_owner`. So is the result: what was done, or under
+    ``error`` why the file was set aside. Whatever is wrong with a file never raises. `progress` is told the
+    rows of each piece that is done.
     """
     begun = time.perf_counter()
     place, target = place_of(task["source"]), place_of(task["target"])

@@ -163,12 +163,7 @@ def _as_one(group: Table, schema: Any) -> Table:
 def possible(column: Any, decimal: str, among: Collection[str]) -> frozenset[str] | None:
     """Types that a piece of a column may have; None where it is empty, and says nothing.
 
-    Parameters
-    ----------
-    decimal : str
-        Decimal separator.
-    among : collection of str
-        Types that are possible in other pieces.
+    `among` are the types that are possible in other pieces.
     """
     texts = _filled(column)
     if texts.null_count == len(texts):

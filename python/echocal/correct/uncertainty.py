@@ -20,12 +20,8 @@ def standard_uncertainty(
     """Standard uncertainty [m] of corrected distances, shape (n,).
 
     It combines what the model states (`echocal.Model.standard_uncertainty`) and what the user states; see
-    `echocal.budget.entries.itemized`.
-
-    Returns
-    -------
-    ndarray, shape (n,)
-        NaN where there is no distance, and everywhere if no uncertainty is known.
+    `echocal.budget.entries.itemized`. NaN where there is no distance, and everywhere if no uncertainty is
+    known.
     """
     stated = uncertainties or model.covariance is not None or model.shape is not None
     if not np.isfinite(distance).any() or not (stated or model.residual_uncertainty is not None):

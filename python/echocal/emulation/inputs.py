@@ -86,12 +86,8 @@ def from_ranges(
 def from_table(source: Any, columns: Mapping[str, str], detector: str, seed: int | None) -> Inputs:
     """Return the rows of a table: echo times, or distances and the air.
 
-    Requests for columns that the table does not have are left to the lines of the sketch.
-
-    Raises
-    ------
-    DataError
-        If it has neither, or no temperature.
+    Requests for columns that the table does not have are left to the lines of the sketch. Raises `DataError`
+    if it has neither, or no temperature.
     """
     table = load(source)
     names = tuple(map(str, table.columns))

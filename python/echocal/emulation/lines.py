@@ -35,17 +35,8 @@ def columns_of(played: Played) -> pd.DataFrame:
 def understood(played: Played, columns: Mapping[str, str]) -> pd.DataFrame:
     """Return what any sketch prints, read as a log of a serial monitor.
 
-    Parameters
-    ----------
-    played : Played
-        Lines by row.
-    columns : mapping of str to str
-        What columns hold, as of `echocal.read_observations`.
-
-    Raises
-    ------
-    DataError
-        If neither a reading nor an echo time is found in each row.
+    `columns` tells what columns hold, as in `echocal.read_observations`. Raises `DataError` if neither a
+    reading nor an echo time is found in each row.
     """
     printed = [", ".join(line for line in lines if line.strip()) for lines in played.rows]
     if not any(printed):

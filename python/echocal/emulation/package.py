@@ -42,10 +42,7 @@ _THERMOMETER = "TMP36"  # of the example sketch
 def package_of(model: Model, part: str, *, humidity: bool, **request: Any) -> Firmware:
     """Generate the library and its example sketch; `request` is for `firmware.generate`.
 
-    Raises
-    ------
-    UsageError
-        If the example sketch is for another thermometer.
+    Raises `UsageError` if the example sketch is for another thermometer.
     """
     if part != _THERMOMETER:
         message = f"the sketch of a model reads a {_THERMOMETER}, not a {part}: leave out the part"
@@ -66,10 +63,7 @@ def package_of(model: Model, part: str, *, humidity: bool, **request: Any) -> Fi
 def compile_package(made: Firmware) -> Sketch:
     """Compile the example sketch of a library with it.
 
-    Raises
-    ------
-    UsageError
-        If it is no Arduino library.
+    Raises `UsageError` if it is no Arduino library.
     """
     if _SKETCH not in made.files:
         message = f"this firmware has no {_SKETCH}: generate(..., package='arduino')"

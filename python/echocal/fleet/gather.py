@@ -39,20 +39,9 @@ def logs(
 ) -> Iterator[tuple[Mapping[str, Any], Log]]:
     """Read the files of some sensors once each, and yield the log of every sensor.
 
-    Parameters
-    ----------
-    sensors : sequence of mapping
-        ``key`` and ``files`` of each; a file is its path, whether this has the key, and its place among all.
-    by, kind : str or None
-        Columns of the keys and of the kinds, which are no columns of a log.
-    requests : mapping of str to str
-        Meaning of columns.
-    layout : Layout
-        How text files are written.
-    time_zone : str
-        Of times without an offset.
-    bucket : (Path, int), optional
-        Where the rows are that were divided before; see `echocal.fleet.store`.
+    `sensors` has the ``key`` and the ``files`` of each: path, whether it has the key, and its place among
+    all. The columns `by` and `kind` are no columns of a log. Rows that were divided before are in a
+    `bucket`; see `echocal.fleet.store`.
     """
     read = _Read({}, {})
     if bucket is not None:

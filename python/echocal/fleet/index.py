@@ -42,14 +42,8 @@ class Index:
 def indexed(files: Sequence[Source], by: str | None, kind: str | None, layout: Layout) -> Index:
     """Look where the rows of each sensor are.
 
-    Raises `DataError` if no file has a sensor, or the files of a sensor have different kinds.
-
-    Parameters
-    ----------
-    by : str or None
-        Column or level of the folders that has the key; None: each file is the log of one sensor.
-    kind : str or None
-        Column or level of the folders that has the kind of a sensor.
+    Raises `DataError` if no file has a sensor, or the files of a sensor have different kinds. `by` and
+    `kind` are columns, or levels of the folders. Without `by` each file is the log of one sensor.
     """
     sensors: dict[str, Sensor] = {}
     kinds: dict[str, set[str]] = {}

@@ -91,12 +91,8 @@ class Store:
     def check(self, run: str | None) -> None:
         """Refuse to write for a run that this folder is not of any more: its task has outlived it.
 
-        Raises `OutputError` if another run has begun since, or the run has ended.
-
-        Parameters
-        ----------
-        run : str or None
-            SHA-256 of the file that says what the run is; None: nobody else can have the folder.
+        Raises `OutputError` if another run has begun since, or the run has ended. `run` is the SHA-256 of
+        the file that says what the run is; None: nobody else can have the folder.
         """
         if run is not None and (not self.job.is_file() or file_digest(self.job) != run):
             message = f"{self.folder} was begun anew by another run, or has ended; this run leaves it alone"
@@ -145,14 +141,7 @@ def plan_spills(
 ) -> list[dict[str, Any]]:
     """Tasks that divide the files, none where reading them directly takes less; gives tasks their buckets.
 
-    Parameters
-    ----------
-    tasks : list of dict
-        The tasks of the diagnosis. Each gets a ``bucket`` if its sensors are divided.
-    job : mapping
-        What all tasks share.
-    most : int
-        Rows of a spill at most.
+    `job` is what all tasks share, and `most` the largest number of rows of a spill.
     """
     rows: dict[str, int] = {}
     for sensor in sensors:

@@ -58,12 +58,8 @@ class Opened:
     ) -> Frame:
         """Read expressions of columns, of the rows for which an expression holds.
 
-        Raises `DataError` if the file cannot be read.
-
-        Parameters
-        ----------
-        rows : (int, int or None)
-            First of the rows that are looked at, and their number.
+        Raises `DataError` if the file cannot be read. `rows` is the first of the rows that are looked at,
+        and their number.
         """
         lazy = self._lazy if rows == (0, None) else self._lazy.slice(*rows)
         lazy = lazy if where is None else lazy.filter(where)
@@ -73,12 +69,8 @@ class Opened:
 def opened(path: Path, layout: Layout, *, compare: bool = True) -> Opened:
     """Open a file.
 
-    Raises `DataError` if it cannot be read.
-
-    Parameters
-    ----------
-    compare : bool
-        Whether the checksums of its pages are compared, where it has them: polars does not.
+    Raises `DataError` if it cannot be read. `compare`: the checksums of its pages are compared, where it has
+    them; polars does not.
     """
     pl = polars()
     file = TextFile(path, layout)
@@ -111,15 +103,7 @@ def _tried(path: Path, work: Any) -> Any:
 
 
 def label(name: str, kind: Any) -> Any:
-    """Expression of a column's values as text: whole numbers have no fraction, empty texts are null.
-
-    Parameters
-    ----------
-    name : str
-        The column.
-    kind : polars.DataType
-        Its type.
-    """
+    """Expression of a column's values as text: whole numbers have no fraction, empty texts are null."""
     pl = polars()
     column = pl.col(name)
     if kind.is_float():

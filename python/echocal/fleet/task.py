@@ -46,16 +46,8 @@ BYTES_A_ROW = 400
 def run_task(task: Mapping[str, Any]) -> dict[str, Any]:
     """Diagnose the sensors of a task.
 
-    Parameters
-    ----------
-    task : mapping
-        Plain data, as `echocal.fleet.task.tasks_of` makes it.
-
-    Returns
-    -------
-    dict
-        Plain data: number, sensors, how many failed, and seconds. A mistake in the data of a sensor never
-        raises; it is in the record of the sensor.
+    Task (see `tasks_of`) and result are plain data. A mistake in the data of a sensor never raises; it is in
+    the record of the sensor.
     """
     begun = time.perf_counter()
     if task["schema"] != SCHEMA or task["version"] != __version__:
@@ -167,16 +159,8 @@ def tasks_of(
 ) -> list[dict[str, Any]]:
     """Tasks as plain data. The same sensors and the same job make the same tasks.
 
-    Parameters
-    ----------
-    names : mapping of str to str
-        File of each sensor.
-    by : str or None
-        Column or level of the folders that has the key.
-    job : mapping
-        What all tasks share, as plain data.
-    memory : int
-        Bytes that one process may use for rows.
+    `names` are the files of the sensors, `job` is what all tasks share, and `memory` the bytes that one
+    process may use for rows.
     """
     places: dict[Path, int] = {}
     for sensor in sensors:

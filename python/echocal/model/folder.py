@@ -32,10 +32,7 @@ WHOLE = r"^(-?(?:0|[1-9][0-9]*))\.0+$"
 def file_name(key: str, *, taken: bool = False) -> str:
     """Name of the file that the model of a key is in; with a hash of the key where it is long.
 
-    Parameters
-    ----------
-    taken : bool
-        Whether another key has that name: this one then has the hash, too.
+    Where another key has taken that name, this one has the hash, too.
 
     Examples
     --------
@@ -141,10 +138,7 @@ def _read_index(file: Path) -> Mapping[str, str] | None:
 def named(keys: Iterable[str], taken: Iterable[str] = ()) -> dict[str, str]:
     """File of each key: the key with signs that a file name may have; one that is taken gets a number.
 
-    Parameters
-    ----------
-    taken : iterable of str
-        Names of other files, besides the index.
+    `taken` are names of other files, besides the index.
 
     Examples
     --------

@@ -30,17 +30,9 @@ def considered(
 ) -> list[Considered]:
     """Design and prove every form for one request, without measuring it.
 
-    Parameters
-    ----------
-    progress : callable, optional
-        Called with the form, the number of finished ones and of all.
-    **request
-        Further arguments of `echocal.firmware.generate`, but ``form``.
-
-    Returns
-    -------
-    list of Considered
-        In the order of their cost by the model of the search; those that cannot meet the bound last.
+    In the order of their cost by the model of the search; those that cannot meet the bound last. `request`
+    has further arguments of `echocal.firmware.generate`; `progress` is called with the form, the number of
+    finished ones and of all.
 
     Examples
     --------

@@ -32,14 +32,7 @@ def firmware_page(
 ) -> str:
     """A firmware as an HTML document that needs no other file and no network.
 
-    Parameters
-    ----------
-    model : Model
-        The model that it follows.
-    forms : sequence of Considered
-        Forms that were tried.
-    assumed : mapping of str to float, optional
-        Values of conditions that the device does not measure.
+    `forms` were tried; `assumed` are values of conditions that the device does not measure.
     """
     report = made.report
     name = report["provenance"]["target"]

@@ -53,10 +53,7 @@ class Block:
     def from_bytes(cls, data: bytes) -> "Block":
         """Read a block.
 
-        Raises
-        ------
-        DataError
-            If its size, its version or its checksum is wrong.
+        Raises `DataError` if its size, its version or its checksum is wrong.
         """
         if len(data) != BYTES:
             message = f"a block of unit data has {BYTES} bytes, not {len(data)}"

@@ -47,19 +47,8 @@ class Layout:
     def of(cls, box: Box, echoes: Echoes, *, fine: bool, bytewise: bool) -> "Layout":
         """Return the layout with most places.
 
-        Parameters
-        ----------
-        box : Box
-        echoes : Echoes
-        fine : bool
-            Whether the fraction of a code is taken off the output.
-        bytewise : bool
-            Whether shifts are cheap by whole bytes alone.
-
-        Raises
-        ------
-        UsageError
-            If the box needs more than 16 bits.
+        `fine`: the fraction of a code is taken off the output; `bytewise`: shifts are cheap by whole bytes
+        alone. Raises `UsageError` if the box needs more than 16 bits.
         """
         slope = round(sum(echoes.slopes) / 2) if fine else 0
         few = bytewise and not fine
@@ -154,16 +143,7 @@ class Layout:
     def corrected(self, codes: ArrayLike, delay: ArrayLike, rate: ArrayLike) -> tuple[Any, Any]:
         """Return the corrected echo codes and what is then taken off the output, as the C computes them.
 
-        Parameters
-        ----------
-        codes : array_like of int, shape (...)
-        delay, rate : array_like of int
-            Stored parameters of the unit.
-
-        Returns
-        -------
-        tuple of ndarray of int64, shape (...)
-            Codes, and distances [um].
+        Delay and rate are the stored parameters of the unit; what is taken off is in um.
         """
         codes = np.asarray(codes, dtype=np.int64)
         speed = self.converted(self.box.clock, rate)

@@ -95,13 +95,7 @@ def plot_posterior(diagnosis: Diagnosis, ax: Axes) -> None:
 
 
 def smooth_figure(diagnosis: Diagnosis) -> Figure:
-    """The functions that a smooth correction is the sum of, a panel each, and its gain.
-
-    Parameters
-    ----------
-    diagnosis : Diagnosis
-        With a smooth correction that is offered.
-    """
+    """The functions that a smooth correction is the sum of, a panel each, and its gain."""
     found = diagnosis.smooth
     terms = () if found is None or found.smooth is None else found.smooth.terms
     rows = max(1, -(-len(terms) // _ACROSS))

@@ -145,14 +145,8 @@ def fitted(text: str, width: int) -> str:
 def save_figure(figure: Figure, path: Path, command: str, **options: Any) -> None:
     """Write a figure, complete or not at all, in the format of its ending.
 
-    Raises `UsageError` if the file cannot be written.
-
-    Parameters
-    ----------
-    command : str
-        Command that made it; written to the file if its format allows.
-    **options
-        As for `Figure.savefig`.
+    Raises `UsageError` if the file cannot be written. The command that made it is written to the file if its
+    format allows; `options` are for `Figure.savefig`.
     """
     ending = path.suffix.lower().removeprefix(".")
     metadata = {_MAKER[ending]: f"echocal {command}"} if ending in _MAKER else None

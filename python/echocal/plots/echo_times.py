@@ -23,12 +23,7 @@ def echo_times_figure(
 ) -> Figure:
     """Draw echo times, and above them the first capture that has one.
 
-    Parameters
-    ----------
-    waveform : ndarray, shape (..., N), optional
-        The captures.
-    sample_rate : float
-        Samples per second of them [Hz].
+    The captures, shape (..., N), have samples at a rate [Hz].
     """
     with mpl.rc_context(STYLE):
         rows = 1 if waveform is None else 2

@@ -127,10 +127,7 @@ def _explain(grid: xr.Dataset, others: list[Any], ax: Axes) -> None:
 def sweep_figure(grid: xr.Dataset) -> Figure:
     """Draw what changes over a sweep, one panel for each variable.
 
-    Parameters
-    ----------
-    grid : xarray.Dataset
-        Result of `echocal.sweep`, with at least one dimension.
+    The grid is a result of `echocal.sweep` with at least one dimension.
     """
     shown = [name for name in ("speed_of_sound", "time_of_flight", "error") if _varies(grid[name].values)]
     shown = shown or ["indication"]

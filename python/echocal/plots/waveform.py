@@ -20,16 +20,7 @@ _BEFORE, _AFTER = 0.1, 0.9  # ms about the front of the echo
 def waveform_figure(scene: Scene, sensor: Sensor | None = None, *, row: int = 1, seed: int = 0) -> Figure:
     """Draw one reading, with noise of its own: the whole time, and the echo alone.
 
-    Raises `DataError` if there is no such row.
-
-    Parameters
-    ----------
-    sensor : Sensor, optional
-        An HC-SR04 by default.
-    row : int
-        From 1.
-    seed : int
-        Of the noise.
+    Raises `DataError` if there is no such row. The sensor is an HC-SR04 by default; rows count from 1.
     """
     if not 1 <= row <= len(scene):
         message = f"there is no row {row}: rows are 1 to {len(scene)}"

@@ -36,13 +36,7 @@ _LAW = (1e6, "ppm")
 
 
 def print_budget(budget: Budget, row: int, console: Console) -> None:
-    """Print the budget of a row, and the results of the others.
-
-    Parameters
-    ----------
-    row : int
-        Its place.
-    """
+    """Print the budget of a row, and the results of the others."""
     title = f"budget of row {budget.row[row]}: {conditions_text(budget, row)}"
     table = Table(title=title, box=SIMPLE_HEAD, padding=(0, 1, 0, 0), title_justify="left")
     for head in HEADS:

@@ -37,13 +37,7 @@ _EXACTLY = "probability that exactly these causes act"
 
 
 def print_diagnosis(diagnosis: Diagnosis, console: Console) -> None:
-    """Print a diagnosis for a person.
-
-    Parameters
-    ----------
-    diagnosis : Diagnosis
-    console : rich.console.Console
-    """
+    """Print a diagnosis for a person."""
     console.print(Panel(Group(*_head(diagnosis)), title="diagnosis", title_align="left", expand=False))
     for cause in diagnosis.causes:
         console.print(_cause(cause))

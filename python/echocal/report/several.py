@@ -34,10 +34,7 @@ _ORDER = ("named", "ambiguous", "unknown", "nothing", "failed")
 def print_fleet(summary: Mapping[str, Any], console: Console) -> None:
     """Print the summary of a fleet for a person.
 
-    Parameters
-    ----------
-    summary : mapping
-        Schema ``echocal.fleet/1``.
+    The summary is of schema ``echocal.fleet/1``.
     """
     console.print(_head(summary))
     if summary["causes"]:

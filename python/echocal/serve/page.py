@@ -29,13 +29,7 @@ _TARGETS = ("c99", "avr", "cortex-m0", "cortex-m3", "cortex-m4f", "rv32", "rv32e
 
 
 class Page:
-    """One visitor's page.
-
-    Parameters
-    ----------
-    ui : module
-        ``nicegui.ui``.
-    """
+    """One visitor's page."""
 
     def __init__(self, ui: Any) -> None:
         self.ui, self.session = ui, Session()

@@ -21,12 +21,6 @@ class OwnPagesOnly:
     """Refuses requests that a page of another site makes, or that reach the server by another name.
 
     A page of a site could otherwise send requests to servers of the machine that shows it.
-
-    Parameters
-    ----------
-    app : callable
-        An application of ASGI.
-    port : int
     """
 
     def __init__(self, app: App, port: int) -> None:
@@ -52,17 +46,8 @@ class OwnPagesOnly:
 def serve(port: int = PORT, *, show: bool = True) -> None:
     """Serve the page until Ctrl-C.
 
-    Parameters
-    ----------
-    port : int
-        Port on the loopback interface.
-    show : bool
-        Whether to open the page in the browser.
-
-    Raises
-    ------
-    UsageError
-        If NiceGUI is not installed, or the port is taken.
+    The port is on the loopback interface. Raises `UsageError` if NiceGUI is not installed, or the port is
+    taken.
     """
     try:
         from nicegui import app, ui

@@ -63,10 +63,7 @@ class Session:
     def open(self, name: str, content: bytes) -> None:
         """Take a log in place of the one before, and look at it.
 
-        Raises
-        ------
-        DataError
-            If it cannot be read as a table of any kind.
+        Raises `DataError` if it cannot be read as a table of any kind.
         """
         self.name, self.inspection, self.diagnosis = Path(name).name, None, None
         self._stated, self._beside = {}, {}
@@ -84,19 +81,9 @@ class Session:
     ) -> None:
         """Say what no column holds, and look at the log again.
 
-        Parameters
-        ----------
-        temperature : str
-            Of the air [degC], as ``20+-2``; empty where a column has it.
-        mount_height : float, optional
-            Height of the sensor above the zero of a level [m].
-        reading_speed : str
-            Law or speed [m/s] that the readings were made with; empty for the default.
-
-        Raises
-        ------
-        UsageError
-            If it is no number, or nothing asks for it.
+        The temperature of the air [degC] is as ``20+-2``, empty where a column has it; the height of the
+        sensor above the zero of a level is in m; the law or the speed [m/s] that the readings were made with
+        is empty for the default. Raises `UsageError` if it is no number, or nothing asks for it.
         """
         told: dict[str, Any] = {"at": {"temperature": temperature} if temperature.strip() else None}
         told |= {"mount_height": mount_height, "reading_speed": reading_speed.strip() or None}
@@ -129,10 +116,7 @@ class Session:
     def firmware(self, target: str, **request: Any) -> bytes:
         """C that follows the model, as a zip archive; `request` is as of `echocal.firmware.generate`.
 
-        Raises
-        ------
-        BoundError
-            If no form meets the largest error.
+        Raises `BoundError` if no form meets the largest error.
         """
         with warnings.catch_warnings(action="always", category=DomainWarning, record=True) as caught:
             made = generate(self._diagnosed.model, target, **request)

@@ -96,10 +96,7 @@ class Sketch:
 def missing_for_sketches() -> list[str]:
     """Return what is not installed of what sketches need.
 
-    Returns
-    -------
-    list of str
-        Commands and packages of Debian; empty if nothing is missing.
+    Commands and packages of Debian.
     """
     core = () if (HARDWARE / "cores" / "arduino" / "Arduino.h").exists() else ("arduino-core-avr",)
     return [*absent("avr-gcc", "gcc"), *(() if HEADERS.exists() else ("libsimavr-dev",)), *core]
@@ -302,13 +299,6 @@ def with_prototypes(text: str, path: str) -> str:
 
     Only these are declared. Functions with default arguments, templates and members of classes are not.
     Messages of the compiler name the sketch's own file and lines.
-
-    Parameters
-    ----------
-    text : str
-        The sketch.
-    path : str
-        Its file, for messages.
 
     Examples
     --------

@@ -104,16 +104,6 @@ CORES = {
 def cores_of(target: str) -> list[str]:
     """Return the cores that a target is for: its own, all where the target is only a standard, or none.
 
-    Parameters
-    ----------
-    target : str
-        Name of a target.
-
-    Returns
-    -------
-    list of str
-        Names in `CORES`.
-
     Examples
     --------
     >>> cores_of("avr")

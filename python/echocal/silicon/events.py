@@ -135,12 +135,7 @@ def _habit_of_the_first_loop(log: Log) -> Habit:
 def told_late(habit: Habit, log: Log, other: Log) -> Habit:
     """Return a habit less what a sketch tells of an echo only after its wait.
 
-    Parameters
-    ----------
-    habit : Habit
-        Of `habit_of`.
-    log, other : Log
-        Runs that differ in their last echo: a line that differs, too, tells of that echo, not of the next.
+    The runs differ in their last echo: a line that differs, too, tells of that echo, not of the next.
     """
     if len(log.ends) != len(other.ends):
         return habit

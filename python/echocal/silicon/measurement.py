@@ -69,20 +69,7 @@ def board_of(core: str) -> Board:
 def missing(core: str) -> list[str]:
     """Return what is not installed of what measuring on a core needs.
 
-    Parameters
-    ----------
-    core : str
-        Name in `CORES`.
-
-    Returns
-    -------
-    list of str
-        Commands and packages; empty if nothing is missing.
-
-    Raises
-    ------
-    UsageError
-        If there is no such core.
+    Commands and packages. Raises `UsageError` if there is no such core.
     """
     return board_of(core).missing()
 

@@ -46,14 +46,9 @@ def compiler_version(compiler: str) -> str:
 def kept(name: str, fill: Callable[[Path], None]) -> Path:
     """Return a folder of this name; whoever comes first fills it.
 
-    It is complete or absent: two processes that fill it at once each fill their own, and one stays.
-
-    Parameters
-    ----------
-    name : str
-        Name of the folder. It names its content: a hash of what that is made from is part of it.
-    fill : callable
-        Called with an empty folder, if there is none of this name.
+    It is complete or absent: two processes that fill it at once each fill their own, and one stays. A hash
+    of what it is made from is part of its name. `fill` is called with an empty folder, if there is none of
+    this name.
     """
     base = _base()
     folder = base / name

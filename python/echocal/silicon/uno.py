@@ -241,10 +241,7 @@ def refuse_impossible(
 ) -> None:
     """Refuse what no board, module or run can have.
 
-    Raises
-    ------
-    UsageError
-        If a value is not a number or out of its range.
+    Raises `UsageError` if a value is not a number or out of its range.
     """
     for name, value, most in (("time_out", time_out, _LONGEST), ("patience", patience, _MOST_PATIENCE)):
         if value is not None and not (isinstance(value, Real) and _SHORTEST <= value <= most):

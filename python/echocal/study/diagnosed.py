@@ -123,11 +123,6 @@ QUESTIONS = (
 def ask(tables: Tables | None = None) -> list[Answer]:
     """Put every question to the diagnosis.
 
-    Parameters
-    ----------
-    tables : Tables, optional
-        Other tables than those that the package ships.
-
     Examples
     --------
     >>> from echocal.study.diagnosed import ask

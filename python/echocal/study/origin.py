@@ -106,17 +106,7 @@ def table_law(tables: Tables) -> str:
 
 
 def explain(tables: Tables, fit: Sequence[str], *, loss: str = "linear") -> Calibration:
-    """Calibrate changes that explain Tinkercad's readings of 2 m, against the law of Table 1.
-
-    Parameters
-    ----------
-    tables : Tables
-        The tables.
-    fit : sequence of str
-        Parameters of the changes.
-    loss : str
-        See `calibrate`.
-    """
+    """Calibrate changes that explain Tinkercad's readings of 2 m, against the law of Table 1."""
     table = tables.table2
     data = observations(table.temperature, table.values("measured_distance_tinkercad_m"))
     return calibrate(data, Model(table_law(tables)), fit, loss=loss)

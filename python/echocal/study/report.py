@@ -34,15 +34,7 @@ BAR = 60  # characters
 
 
 def show(study: Study, console: Console) -> None:
-    """Print everything that was found.
-
-    Parameters
-    ----------
-    study : Study
-        Results.
-    console : Console
-        Where to.
-    """
+    """Print everything that was found."""
     console.print(_first_table(study), "", _second_table(study))
     for group in dict.fromkeys(finding.claim.group for finding in study.findings):
         console.print("", _claims(group, [f for f in study.findings if f.claim.group == group]))
@@ -161,18 +153,7 @@ def _alternatives(study: Study) -> Table:
 
 
 def render(study: Study) -> str:
-    """Write the page.
-
-    Parameters
-    ----------
-    study : Study
-        Results.
-
-    Returns
-    -------
-    str
-        Markdown.
-    """
+    """Write the page."""
     parts = [HEAD, _verdicts(study), *_discoveries(study), *_figures(), "## Claims\n"]
     for group in dict.fromkeys(finding.claim.group for finding in study.findings):
         parts += [f"### {group}\n", _claim_rows([f for f in study.findings if f.claim.group == group])]

@@ -23,10 +23,7 @@ _LEAST = {name: facts.possible[0] for name, facts in QUANTITIES.items()} | {"dis
 def axis(name: str, given: Range) -> NDArray[np.float64]:
     """Values of one quantity: a scalar array for one value, else one-dimensional.
 
-    Raises
-    ------
-    UsageError
-        If the range is empty or holds anything but finite, possible numbers.
+    Raises `UsageError` if the range is empty or holds anything but finite, possible numbers.
     """
     values = _stepped(name, given) if isinstance(given, tuple) else _finite(name, given)
     if values.ndim > 1 or values.size == 0:
@@ -45,10 +42,7 @@ def axis(name: str, given: Range) -> NDArray[np.float64]:
 def parse(name: str, text: str) -> Range:
     """Range of a text: ``2``, ``0:50:2`` (stop included) or ``0.5,1,2``.
 
-    Raises
-    ------
-    UsageError
-        If the text is none of these.
+    Raises `UsageError` if the text is none of these.
     """
     separator = ":" if ":" in text else ","
     try:
@@ -69,10 +63,7 @@ def parse(name: str, text: str) -> Range:
 def parse_named(text: str) -> tuple[str, NDArray[np.float64]]:
     """Quantity and its values [SI] of a text with the unit in the name: ``humidity_percent=0:100:20``.
 
-    Raises
-    ------
-    UsageError
-        If the name is none of a table's columns, or the range is none.
+    Raises `UsageError` if the name is none of a table's columns, or the range is none.
     """
     name, _, range_ = text.partition("=")
     form, unit = NAMES.get(name, (None, ""))

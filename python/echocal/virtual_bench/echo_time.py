@@ -27,11 +27,7 @@ def check_air(temperature: ArrayLike, relative_humidity: ArrayLike, pressure: Ar
     """Refuse air that cannot be, or is no air of a bench.
 
     Raises `UsageError` if a value is out of its range, or the air would hold more vapor than its pressure.
-
-    Parameters
-    ----------
-    temperature, relative_humidity, pressure : array_like
-        [degC], [1], [Pa]; broadcast together.
+    They are in degC, 1 and Pa.
 
     Examples
     --------

@@ -99,13 +99,8 @@ class Clock:
     def add(self, row: Waiting) -> tuple[list[Waiting], list[Waiting], Moved | None]:
         """Take one row in.
 
-        Returns
-        -------
-        believed : list of Waiting
-            Rows that are ready for the test, in the order of time.
-        refuted : list of Waiting
-            Rows whose times are errors.
-        moved : Moved or None
+        Returns the rows that are ready for the test, in the order of time; rows whose times are errors; and
+        whether the clock was set.
         """
         if row.time == self.last:
             return [], [row], None

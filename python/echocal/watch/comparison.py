@@ -41,10 +41,7 @@ class Target:
     def add(self, sensor: str, time: float, distance: float, within: float) -> float:
         """Take one row in, and return the median of the other sensors; NaN where none has a fresh row.
 
-        Parameters
-        ----------
-        within : float
-            Age at which a row is not fresh any more [s].
+        `within` is the age at which a row is not fresh any more [s].
         """
         fresh = {
             id_: value
@@ -70,12 +67,7 @@ class Target:
     def moved_most(self, since: float, row: int) -> str | None:
         """The sensor that is farthest from where it was before a time; None if there are not three.
 
-        Parameters
-        ----------
-        since : float
-            Time of the first row that counts [s].
-        row : int
-            Number of the last row that counts.
+        The rows count from `since` [s] up to the one of number `row`.
         """
         moved = {}
         for sensor, path in self.paths.items():

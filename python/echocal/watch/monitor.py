@@ -81,16 +81,8 @@ class Monitor:
     ) -> Alarm | None:
         """Take one row in, in the order of time.
 
-        Parameters
-        ----------
-        time : float
-            [s].
-        residual, distance : float
-            Corrected less reference distance, and the latter [m].
-        signature : ndarray
-            [m].
-        reading : float
-            As it came, in any unit.
+        The residual is the corrected less the reference distance [m]; the reading is as it came, in any
+        unit.
         """
         if self.rows == 0:
             self.origin = time

@@ -21,25 +21,12 @@ class Broker:
     """Messages of a topic: each payload is one JSON object or a list of them.
 
     A message is acknowledged when its rows are committed, or when it is set aside. With a client's name and
-    quality of service 1, the broker keeps what comes while nobody watches.
-
-    Parameters
-    ----------
-    url : str
-        ``mqtt://[user[:password]@]host[:port]/topic``; ``mqtts`` for TLS. The topic may have wildcards.
-    client : str
-        Name of the client, which the broker keeps messages for; empty for none.
-    wait : float
-        Longest wait for the next message before an empty batch [s].
-    state : State
-        Knows the last message of each topic: one that the broker keeps counts once.
-
-    Raises
-    ------
-    UsageError
-        If the address is not of this form, or the library is absent.
-    DataError
-        If the broker cannot be reached or refuses.
+    quality of service 1, the broker keeps what comes while nobody watches. The address is
+    ``mqtt://[user[:password]@]host[:port]/topic``, ``mqtts`` for TLS; the topic may have wildcards. `client`
+    is the name that the broker keeps messages for, `wait` the longest wait for the next message before an
+    empty batch [s]; the state knows the last message of each topic: one that the broker keeps counts once.
+    Raises `UsageError` if the address is not of this form, or the library is absent, and `DataError` if the
+    broker cannot be reached or refuses.
     """
 
     def __init__(self, url: str, client: str, wait: float, state: State) -> None:
@@ -131,10 +118,7 @@ class Broker:
 def client_of(parts: SplitResult, **settings: Any) -> Any:
     """A client for the broker of an address, which is not connected yet.
 
-    Raises
-    ------
-    UsageError
-        If the library is absent.
+    Raises `UsageError` if the library is absent.
     """
     try:
         from paho.mqtt.client import Client
@@ -153,10 +137,7 @@ def client_of(parts: SplitResult, **settings: Any) -> Any:
 def connect(client: Any, parts: SplitResult) -> None:
     """Connect a client, and let it work.
 
-    Raises
-    ------
-    DataError
-        If the broker cannot be reached.
+    Raises `DataError` if the broker cannot be reached.
     """
     place = place_of(parts)
     host, _, port = place.rpartition(":")

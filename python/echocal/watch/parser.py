@@ -123,14 +123,8 @@ class Parser:
     def batches(self, data: bytes, *, final: bool) -> Iterator[tuple[Batch, int]]:
         """Rows of the whole lines at the beginning of some bytes, and how many bytes they are.
 
-        Raises `DataError` if the header is no text, or none that `echocal correct` reads.
-
-        Parameters
-        ----------
-        data : bytes
-            What follows the lines so far.
-        final : bool
-            Whether nothing comes behind it: then the last line is whole without an end.
+        Raises `DataError` if the header is no text, or none that `echocal correct` reads. `data` follows the
+        lines so far; if it is `final`, nothing comes behind it, and the last line is whole without an end.
         """
         marked = self._open(data, final)
         if marked is None:

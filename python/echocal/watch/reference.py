@@ -69,10 +69,7 @@ class Reference:
 def models_of(model: Model | None, folder: Path | None) -> Models:
     """Model by sensor: one for all, or that of a folder (`ModelFolder`); None where a sensor has none.
 
-    Raises
-    ------
-    UsageError
-        If the folder does not exist.
+    Raises `UsageError` if the folder does not exist.
     """
     if folder is None:
         return lambda _: model
@@ -93,19 +90,10 @@ def refuse_columns(
 ) -> None:
     """Refuse, on the first rows, what no test is possible with.
 
-    Raises `UsageError` if a request names a column that no row has, and `DataError` if the rows have no time,
-    nothing to be compared with, or were corrected before.
-
-    Parameters
-    ----------
-    names, known : collection of str
-        Columns of the rows, and quantities that the rows have.
-    asked : sequence of (str, str)
-        Keywords that name a column, with the column.
-    results : sequence of str
-        Columns that are appended.
-    interval : float or None
-        Time between rows that the user states [s].
+    Raises `UsageError` if a request names a column that no row has, and `DataError` if the rows have no
+    time, nothing to be compared with, or were corrected before. `asked` are keywords that name a column,
+    with the column; `results` are the columns that are appended, and `interval` is the time between rows
+    that the user states [s].
     """
     listed = ", ".join(names)
     for option, column in [*asked, ("same_target", reference.same_target)]:

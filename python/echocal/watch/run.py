@@ -174,15 +174,8 @@ class Run:
     def refuse_nothing(self, empty: str) -> None:
         """Refuse to call rows done if none was corrected, nor by an earlier watch with this state.
 
-        Parameters
-        ----------
-        empty : str
-            What to say where no row has come at all; nothing where more is expected.
-
-        Raises
-        ------
-        DataError
-            With the reasons.
+        `empty` is what to say where no row has come at all; nothing where more is expected. Raises
+        `DataError` with the reasons.
         """
         if self.fleet.state.fact("corrected"):
             return

@@ -36,10 +36,7 @@ class Signature:
 def refuse_unwatchable(model: Model) -> None:
     """Refuse a model whose corrections depend on rows that have not come yet.
 
-    Raises
-    ------
-    DataError
-        With the quantity and the way out.
+    Raises `DataError` with the quantity and the way out.
     """
     if message := unwatchable(model):
         raise DataError(message)
@@ -59,12 +56,7 @@ def unwatchable(model: Model) -> str:
 class Signatures:
     """Signatures of all causes that a model and the recorded quantities allow.
 
-    Parameters
-    ----------
-    model : Model
-        The installed model.
-    recorded : collection of str
-        Influence quantities that the rows have.
+    `recorded` are the influence quantities that the rows have.
     """
 
     def __init__(self, model: Model, recorded: Collection[str]) -> None:

@@ -36,12 +36,7 @@ class Source(Protocol):
 class Lines:
     """Lines of a stream, such as stdin.
 
-    Parameters
-    ----------
-    wait : float
-        Longest wait for the next line before an empty batch [s].
-    layout : Layout, optional
-        How its text is written.
+    `wait` is the longest wait for the next line before an empty batch [s].
     """
 
     def __init__(self, stream: IO[bytes], wait: float, layout: Layout | None = None) -> None:
@@ -76,16 +71,8 @@ class Lines:
 class Files:
     """A file that grows, or all files of a folder, which grow or are added; in the order of their names.
 
-    Parameters
-    ----------
-    state : State
-        Knows how far each was read.
-    poll : float
-        Wait between two looks [s].
-    once : bool
-        End with what there is now; without a file for the state a last line without an end is then whole.
-    layout : Layout, optional
-        How the text of the files is written.
+    `poll` is the wait between two looks [s]. With `once` it ends with what there is now; without a file for
+    the state a last line without an end is then whole.
     """
 
     def __init__(

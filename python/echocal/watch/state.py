@@ -74,10 +74,7 @@ class State:
     def check(self, facts: Mapping[str, Any]) -> None:
         """Refuse a state of another watch: of other settings its sums would mean something else.
 
-        Raises
-        ------
-        DataError
-            With both sides.
+        Raises `DataError` with both sides.
         """
         for name, value in {"schema": SCHEMA, **facts}.items():
             kept = self.fact(name)

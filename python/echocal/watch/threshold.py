@@ -19,12 +19,8 @@ _NODES = 201  # values of the unknown scale
 def slack(ratios: Column, weights: Column, rows: float, probability: float) -> float:
     """Ratio of true noise over assumed noise that is not exceeded, with a probability (Eq. 54).
 
-    Parameters
-    ----------
-    ratios, weights : ndarray, shape (k,)
-        Standard deviation of slow sums, each possible noise over the assumed one; posterior weights.
-    rows : float
-        Rows that the scale was learned from.
+    `ratios`, shape (k,), are standard deviations of slow sums, each possible noise over the assumed one,
+    with posterior weights; the scale was learned from so many rows.
 
     Examples
     --------
@@ -63,12 +59,8 @@ def _field() -> float:
 def false_alarm_rate(height: float, directions: int) -> float:
     """False alarms per row at a threshold, the noise being known (docs/method/several-tables.md, Eq. 53).
 
-    Parameters
-    ----------
-    height : float
-        Threshold of the standardized sum, b; the log likelihood ratio is b^2/2.
-    directions : int
-        Signatures that are tested; their rates add up, which bounds the rate from above.
+    `height` is the threshold b of the standardized sum; the log likelihood ratio is b^2/2. The rates of the
+    signatures add up, which bounds the rate from above.
 
     Examples
     --------

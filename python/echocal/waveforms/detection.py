@@ -47,12 +47,8 @@ class Detection:
 def detect(plan: Plan, captures: Real, noise: Real | None) -> Detection:
     """Find the strongest echo of each capture.
 
-    Parameters
-    ----------
-    captures : ndarray, shape (n, N)
-        Finite samples.
-    noise : ndarray, shape (n,), or None
-        Standard deviation of white noise; None estimates it before the echo.
+    The captures, shape (n, N), have finite samples; without the standard deviation of white noise, shape
+    (n,), it is estimated before the echo.
     """
     spectrum = rfft(captures, plan.count)[:, plan.band]
     matched, passed = plan.envelope(spectrum, plan.matched), plan.envelope(spectrum, plan.band_pass)

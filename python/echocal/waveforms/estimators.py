@@ -87,12 +87,9 @@ Estimator: TypeAlias = Callable[[Request, Detection], Estimate]
 def weights_of(excess: Real, freedom: Real) -> Real:
     """Posterior weight of each cycle, which sum to 1 along the last axis.
 
-    Parameters
-    ----------
-    excess : ndarray, shape (n, K)
-        Sum of squared residuals above that of the best cycle, by the variance of the noise.
-    freedom : ndarray, shape (n,)
-        Degrees of freedom of that variance: with few, the likelihood is that of Student's t.
+    `excess`, shape (n, K), is the sum of squared residuals above that of the best cycle, by the variance of
+    the noise; `freedom` has the degrees of freedom of that variance: with few, the likelihood is that of
+    Student's t.
     """
     known = np.isinf(freedom)[:, None]
     many = np.where(known, 1.0, freedom[:, None])

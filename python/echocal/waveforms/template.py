@@ -129,16 +129,8 @@ def _driven(phase: NDArray[np.float64], quality_factor: float) -> NDArray[np.flo
 def template_of(given: ArrayLike | None, sample_rate: float, carrier: float, count: int) -> Template:
     """Return the given template, or the model burst.
 
-    Raises `UsageError` if the template is no echo, or longer than a capture.
-
-    Parameters
-    ----------
-    given : array_like, shape (L,), or None
-        Samples at the sample rate of the waveform.
-    sample_rate, carrier : float
-        [Hz].
-    count : int
-        Samples of a capture.
+    Raises `UsageError` if the template is no echo, or longer than a capture. It has the sample rate of the
+    waveform [Hz], and `count` samples are those of a capture.
     """
     if given is None:  # its length is known before it is computed: at a wrong rate it would fill the memory
         way = "give longer captures, or template= with a shorter echo"

@@ -186,17 +186,9 @@ def correct_parquet(
 ) -> Tally:
     """Correct a Parquet file into a new one.
 
-    Raises `DataError` if the file cannot be read, or a model needs what it does not have; `out` is incomplete
-    then.
-
-    Parameters
-    ----------
-    key : str or None
-        Key of all rows; None: each row has its own.
-    log : sequence of Path
-        Files of the log that the file belongs to, in the order of time.
-    progress : callable
-        Told the rows of each row group that is done.
+    Raises `DataError` if the file cannot be read, or a model needs what it does not have; `out` is
+    incomplete then. `key` is that of all rows; None: each row has its own. `log` has the files of the log
+    that the file belongs to, and `progress` is told the rows of each row group that is done.
     """
     read = Parquet(source, job)
     footer, codec = read.footer, _codec(read.footer)

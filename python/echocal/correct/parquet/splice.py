@@ -58,14 +58,8 @@ def result_elements(first: str) -> list[Struct]:
 def encode(rows: Rows, sizes: Sequence[int], codec: str, *, whole: bool) -> list[Encoded]:
     """Encode results, for each of so many rows on its own.
 
-    Parameters
-    ----------
-    sizes : sequence of int
-        Rows of each row group.
-    codec : str
-        Compression, as pyarrow names it.
-    whole : bool
-        Whether these are whole row groups. Parts of one have no dictionary, so that they can be joined.
+    `sizes` are the rows of each row group, and `whole` tells whether these are whole ones. Parts of one have
+    no dictionary, so that they can be joined.
     """
     constant = _constants(rows)
     columns = {name: own for name, own in columns_of(rows).items() if name not in constant}
@@ -166,18 +160,7 @@ def _joined(one: tuple[Struct, bytes], two: tuple[Struct, bytes]) -> tuple[Struc
 class Splice:
     """Writes a file with the columns of another one, and results.
 
-    Parameters
-    ----------
-    source : file
-        The other file, open for reading.
-    footer : Footer
-        Its footer.
-    out : file
-        The new file, open for writing.
-    kept : sequence of Field
-        Columns of the source to copy.
-    first : str
-        Name of the first result.
+    `kept` are the columns of the source to copy, and `first` is the name of the first result.
     """
 
     def __init__(

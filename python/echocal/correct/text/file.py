@@ -117,19 +117,9 @@ def correct_text(
 ) -> Tally:
     """Correct a text file into a new one.
 
-    Raises `DataError` if the file cannot be read, or a model needs what it does not have; `out` is incomplete
-    then.
-
-    Parameters
-    ----------
-    key : str or None
-        Key of all rows; None: each row has its own.
-    log : sequence of Path
-        Files of the log that the file belongs to.
-    progress : callable
-        Told the rows of each block that is done.
-    zipped : bool
-        Whether the output is gzipped.
+    Raises `DataError` if the file cannot be read, or a model needs what it does not have; `out` is
+    incomplete then. `key` is that of all rows; None: each row has its own. `log` has the files of the log
+    that the file belongs to, and `progress` is told the rows of each block that is done.
     """
     text = Text(source, job, key)
     job = text.job

@@ -89,16 +89,8 @@ def certify(
 ) -> Certificate:
     """Budget and conformity of the corrected distances of a table.
 
-    Parameters
-    ----------
-    observations : Observations
-        With reference distances, errors are measured, and their own budget is the guard band.
-    maximum_permissible_error : float
-        [m].
-    uncertainties : sequence of str, or mapping of str to float or str
-        As in `echocal.budget`.
-    coverage : float
-        Coverage probability of the expanded uncertainties.
+    With reference distances, errors are measured, and their own budget is the guard band. The maximum
+    permissible error is in m; uncertainties are as in `echocal.budget`.
 
     Examples
     --------
@@ -136,14 +128,8 @@ def certificate_page(
 ) -> str:
     """A certificate as an HTML document that needs nothing else.
 
-    Parameters
-    ----------
-    identification : mapping of str to str
-        What is certified, line by line: device, files, hashes.
-    made_by : str
-        Command line that makes it again.
-    issued : date, optional
-        Default: today.
+    `identification` tells line by line what is certified: device, files, hashes. `made_by` is the command
+    line that makes it again, and `issued` today by default.
     """
     own, shown = certificate, int(np.nanargmax(certificate.budget.expanded_uncertainty))
     errors = replace(own.budget, itemized=own.of_errors)

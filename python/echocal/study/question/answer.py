@@ -109,15 +109,7 @@ def diagnosis_of(tables: Tables) -> Diagnosis:
 def members(tables: Tables, diagnosis: Diagnosis) -> list[Member]:
     """Judge each cause of the first class by the sign and the size that the table needs.
 
-    Parameters
-    ----------
-    diagnosis : Diagnosis
-        Of the Tinkercad column.
-
-    Returns
-    -------
-    list of Member
-        In alphabetical order.
+    In alphabetical order; the diagnosis is that of the Tinkercad column.
     """
     return [_judged(tables, id_) for id_ in _class_of(diagnosis)]
 
@@ -211,13 +203,7 @@ class Answer:
 
 
 def answer(found: Investigation, tables: Tables | None = None) -> Answer:
-    """Compare what the board measured with Table 2, and ask the diagnosis.
-
-    Parameters
-    ----------
-    tables : Tables, optional
-        Other tables than those that the package ships.
-    """
+    """Compare what the board measured with Table 2, and ask the diagnosis."""
     tables = tables or Tables.load()
     table = tables.table2
     printed, left, warm = table.values("measured_distance_tinkercad_m"), deviation(table), table.temperature

@@ -64,21 +64,9 @@ def explain(
 
     The deviations of a table scatter normally about the curves of the suspects. The standard deviation is
     not known (prior 1/sigma), and a free size is uniform in its range. One suspect and two suspects are
-    equally probable beforehand, and so are all explanations of the same number.
-
-    Parameters
-    ----------
-    table : Table
-        Table 2.
-    readings : mapping of str to Readings
-        What the board made of each.
-    without : sequence of float
-        Temperatures of rows that are left out [degC].
-
-    Returns
-    -------
-    list of Explanation
-        The most probable first.
+    equally probable beforehand, and so are all explanations of the same number. `table` is Table 2, and
+    `without` has the temperatures of rows that are left out [degC]. The most probable explanation is the
+    first.
     """
     used = ~np.isin(table.temperature, without)
     wanted = 1e3 * (table.values("measured_distance_tinkercad_m") - unrounded(table))[used]
@@ -217,15 +205,7 @@ def without_steps(table: Table, suspect: Suspect, readings: Readings) -> Column:
 
 
 def compare(table: Table, suspect: Suspect, readings: Readings) -> Verdict:
-    """Judge a suspect by sign, size, slope and step.
-
-    Parameters
-    ----------
-    table : Table
-        Table 2.
-    readings : Readings
-        What the board made of it.
-    """
+    """Judge a suspect by sign, size, slope and step."""
     temperature = table.temperature
     wanted = pattern_of(temperature, deviation(table), table.values("measured_distance_tinkercad_m"))
     made = curve(table, readings)

@@ -149,15 +149,7 @@ def separation(measurement: Measurement, pair: tuple[Explanation, Explanation], 
 def judge(explanations: Sequence[Explanation], effects: Effects) -> list[Outcome]:
     """Rank the measurements by how well they would tell what is true.
 
-    Parameters
-    ----------
-    explanations : sequence of Explanation
-        The most probable first.
-
-    Returns
-    -------
-    list of Outcome
-        The best measurement first.
+    The most probable explanation comes first, and so does the best measurement.
     """
     followed = explanations[:_WEIGHED]
     weight = np.array([one.probability for one in followed])

@@ -154,11 +154,8 @@ class Cause:
     def check(self, size: float) -> float:
         """Return a size that somebody asks for.
 
-        Raises
-        ------
-        UsageError
-            If it is not a number, or of the wrong sign, or more than ten times the usual, or less than a
-            millionth of it.
+        Raises `UsageError` if it is not a number, or of the wrong sign, or more than ten times the usual, or
+        less than a millionth of it.
         """
         if isinstance(size, bool) or not isinstance(size, Real):
             message = f"{self.id}={size!r}: its size is a number [{self.unit}], or None for a usual one"

@@ -63,10 +63,7 @@ def check(name: str, value: ArrayLike, limits: Limits) -> None:
 def check_seed(name: str, seed: object) -> None:
     """Check the seed of random numbers.
 
-    Raises
-    ------
-    UsageError
-        If it is no whole number of 0 or more.
+    Raises `UsageError` if it is no whole number of 0 or more.
     """
     if isinstance(seed, bool) or not isinstance(seed, int | np.integer) or seed < 0:
         message = f"{name} is {seed!r}; give a whole number of 0 or more"

@@ -182,23 +182,10 @@ def first_crossing(received: Received, start: Column, cycles: int, comparator: C
     """Find the first time at which the voltage is above the threshold in a window.
 
     The window is searched half period by half period, on whose ends the noise has its values. Crests that
-    may be high enough are looked at closely, one after the other.
-
-    Parameters
-    ----------
-    received : Received
-        Of n readings.
-    start : ndarray, shape (n,)
-        Of the window, since the burst began [s].
-    cycles : int
-        Of the window.
-
-    Returns
-    -------
-    ndarray, shape (n,)
-        Since the burst began [s], NaN where nothing crosses. A voltage that is above the threshold at the
-        start crosses there. The output tells it later, by the comparator's response time, and only if the
-        voltage is above the threshold for as long.
+    may be high enough are looked at closely, one after the other. `start`, shape (n,), is that of the window
+    since the burst began, and so is the result [s]: NaN where nothing crosses. A voltage that is above the
+    threshold at the start crosses there. The output tells it later, by the comparator's response time, and
+    only if the voltage is above the threshold for as long.
     """
     omega = 2 * np.pi * received.response.frequency
     ends = start[:, None] + np.arange(2 * cycles + 1) * np.pi / omega
