@@ -120,7 +120,11 @@ def budget(
         raise DataError(message)
     found.refuse_unknown(distance)
     places = _places(distance, found.standard_uncertainty) if trials else np.zeros(0, dtype=np.int64)
-    drawn = _simulated(rows, model, stated, places, int(trials), probability, seed) if trials else None
+    drawn = None
+    if trials:
+        own, random = some_rows(rows, places), np.random.default_rng(seed)
+        drawn_from = itemized(own, model, corrected_distance(own, model), stated)
+        drawn = simulated(own, model, drawn_from, int(trials), probability, random)
     return Budget(
         distance=distance,
         conditions=dict(rows.conditions),
@@ -151,20 +155,6 @@ def _places(distance: NDArray[np.float64], u: NDArray[np.float64]) -> NDArray[np
     ordered = known[np.argsort(distance[known], kind="stable")]
     evenly = ordered[np.linspace(0, len(ordered) - 1, _DRAWN_ROWS).astype(int)]
     return np.union1d(evenly, [known[int(np.argmax(u[known]))]])
-
-
-def _simulated(
-    rows: Any,
-    model: Model,
-    stated: Uncertainties,
-    places: NDArray[np.int64],
-    trials: int,
-    coverage: float,
-    seed: int,
-) -> MonteCarlo:
-    own = some_rows(rows, places)
-    found = itemized(own, model, corrected_distance(own, model), stated)
-    return simulated(own, model, found, trials, coverage, np.random.default_rng(seed))
 
 
 def _notes(

@@ -174,9 +174,7 @@ def _number(name: str, value: Any) -> tuple[str, float]:
     try:
         size = float(value) * unit.numerator / unit.denominator
     except ValueError:
-        message = f"{keyword('uncertainties', [f'{name}={value}'])} is not of the form NAME=VALUE; e.g. "
-        message += "temperature_C=0.5"
-        raise UsageError(message) from None
+        raise _no_pair(f"{name}={value}") from None
     if not 0.0 <= size < np.inf:
         message = f"{stating} is no standard uncertainty; give a number >= 0"
         raise UsageError(message)
@@ -186,6 +184,10 @@ def _number(name: str, value: Any) -> tuple[str, float]:
 def _pair(text: str) -> tuple[str, str]:
     name, equals, value = text.partition("=")
     if not equals:
-        message = f"{keyword('uncertainties', [text])} is not of the form NAME=VALUE; e.g. temperature_C=0.5"
-        raise UsageError(message)
+        raise _no_pair(text)
     return name.strip(), value
+
+
+def _no_pair(text: str) -> UsageError:
+    told = keyword("uncertainties", [text])
+    return UsageError(f"{told} is not of the form NAME=VALUE; e.g. temperature_C=0.5")

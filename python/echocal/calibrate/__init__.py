@@ -1,6 +1,5 @@
 """Calibration: parameters from measured data, with covariance and standard uncertainties."""
 
-from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -132,7 +131,11 @@ def calibrate(
         residuals=residuals,
         residual_standard_deviation=solution.residual_standard_deviation,
         r_squared=_r_squared(response[used], residuals[used], centered=form.has_intercept),
-        rows=_rows(observations),
+        rows={
+            "total": len(observations),
+            "used": int(used.sum()),
+            "unusable": observations.unusable_counts,
+        },
         loss=loss,
         model=form.fitted(solution.values, covariance),
         notes=tuple(sentences(observations.stated)),
@@ -210,8 +213,3 @@ def _require_numbers(columns: Columns, used: NDArray[np.bool_]) -> None:
 def _r_squared(observed: Column, residuals: Column, *, centered: bool) -> float:
     total = observed - observed.mean() if centered else observed
     return float(1.0 - residuals @ residuals / (total @ total))
-
-
-def _rows(observations: Observations) -> dict[str, Any]:
-    reasons = Counter(str(reason) for reason in observations.unusable if reason)
-    return {"total": len(observations), "used": int(observations.usable.sum()), "unusable": dict(reasons)}

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from echocal.correct.job import Job
 from echocal.correct.needed import Needed, needed, refuse_repeated
 from echocal.correct.rows import Rows, correct_rows, no_distance, whole_log
-from echocal.correct.tables import refuse_corrected
+from echocal.correct.tables import counts, refuse_corrected
 from echocal.domain import counting
 from echocal.errors import DataError, among
 from echocal.keywords import keyword
@@ -62,12 +62,9 @@ class Tally:
 
     def add(self, rows: Rows, parts: Collection[Part]) -> None:
         """Add a part; the parts come in the order of the rows."""
-        counts = np.bincount(rows.codes, minlength=len(rows.reasons)).tolist()
-        for place, (reason, count) in enumerate(zip(rows.reasons, counts, strict=True)):
-            if count and reason:
-                kind = self.unusable if rows.unusable[place] else self.marked
+        for kind, found in zip((self.unusable, self.marked), counts(rows), strict=True):
+            for reason, (count, first) in found.items():
                 kind[reason] = kind.get(reason, 0) + count
-                first = int(np.argmax(rows.codes == place))
                 self.first.setdefault(reason, self.rows + first + 1)
         self.notes |= dict.fromkeys(rows.notes)
         for domain, (count, first, value) in rows.outside.items():
@@ -151,11 +148,6 @@ class Corrector:
     def rows_around(self) -> int:
         """Rows before and after a row that its marks depend on."""
         return max((own.rows_around for own in self._needed.values()), default=0)
-
-    @property
-    def model(self) -> Model | None:
-        """The model, where all rows have the same."""
-        return None if self.key is None else self._job.models.model(self.key)
 
     def whole_log(self, table: pd.DataFrame) -> tuple[Context, NDArray[np.float64]]:
         """What the parts of a log need to know of it, and the time of each row since its start [s]."""

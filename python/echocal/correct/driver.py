@@ -206,9 +206,6 @@ def _died(task: Mapping[str, Any]) -> dict[str, Any]:
 
 def sweep(out: Path) -> None:
     """Remove what runs left behind that were killed."""
-    for path in _strays(out):
-        path.unlink(missing_ok=True)
-
-
-def _strays(out: Path) -> Iterator[Path]:
-    return (path for path in out.rglob(".*.unfinished") if _STRAY.fullmatch(path.name))
+    for path in out.rglob(".*.unfinished"):
+        if _STRAY.fullmatch(path.name):
+            path.unlink(missing_ok=True)

@@ -72,11 +72,6 @@ class Manifest:
         self._put()  # without what a crash cut off
         self.owner = {"folder": str(out), "manifest": str(self.file), "head": self._head}
 
-    @property
-    def places(self) -> set[str]:
-        """Outputs that are known."""
-        return set(self._done)
-
     def is_done(self, place: str, source: Place) -> bool:
         """Whether an output is in its place, whole, and of this input as it is now."""
         line = self._done.get(place)

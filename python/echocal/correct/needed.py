@@ -90,7 +90,8 @@ def needed(
     around = context_of(model) if rules else 0
     if ordered and around:
         reads.add("elapsed_time")
-    reads |= {name for id_ in model.effects for name in find_effect(id_).excludes}
+    stands_for = {name for id_ in model.effects for name in find_effect(id_).excludes}
+    reads |= stands_for
     reads |= set(() if model.shape is None else model.shape.columns)
     sources = {word for name in reads for word in _derived_from(name)}
     wanted = reads | sources
@@ -111,7 +112,6 @@ def needed(
     columns = tuple(name for name in names if name in used | reference)
     asked = {name: request for name, request in requests.items() if name in columns}
     recorded = {*plan.assignments, *model.air}
-    stands_for = {name for id_ in model.effects for name in find_effect(id_).excludes}
     return Needed(
         columns,
         asked | dict.fromkeys(reference, IGNORE),
@@ -143,8 +143,6 @@ def refuse_repeated(names: Collection[str]) -> None:
     listed = list(names)
     repeated = next((name for name in listed if listed.count(name) > 1), None)
     if repeated is not None:
-        from echocal.errors import DataError
-
         message = f"the table has more than one column '{repeated}'; rename all but one"
         raise DataError(message)
 

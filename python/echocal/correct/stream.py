@@ -50,7 +50,7 @@ def with_neighbors(
             at += len(table)
         return
     held: deque[pd.DataFrame] = deque()
-    left = before if before is not None else None
+    left = before
     at = 0 if left is None else len(left)
     ended = False
     while True:

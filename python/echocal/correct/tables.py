@@ -149,7 +149,7 @@ def correct(
     for reason in dict.fromkeys(found.corrupt.values()):
         lost = [row for row, why in found.corrupt.items() if why == reason]
         rows = rows.lost(np.isin(np.arange(len(whole)), lost), reason)
-    unusable, marked = counts(rows)
+    unusable, marked = ({why: count for why, (count, _) in own.items()} for own in counts(rows))
     notes = [*found.notes, *notes, *rows.notes, *said_of(marked)]
     return Corrected(appended(table, whole, results_of(rows)), len(whole), unusable, tuple(notes), marked)
 
@@ -174,13 +174,13 @@ def refuse_corrected(names: Collection[str]) -> None:
         raise DataError(message)
 
 
-def counts(rows: Rows) -> tuple[dict[str, int], dict[str, int]]:
-    """Rows without a distance, and rows with a distance and a reason; by reason."""
+def counts(rows: Rows) -> tuple[dict[str, tuple[int, int]], dict[str, tuple[int, int]]]:
+    """Number and first of the rows without a distance, and of those with one and a reason; by reason."""
     found = np.bincount(rows.codes, minlength=len(rows.reasons)).tolist()
-    by_kind: tuple[dict[str, int], dict[str, int]] = ({}, {})
-    for reason, count, lost in zip(rows.reasons, found, rows.unusable, strict=True):
+    by_kind: tuple[dict[str, tuple[int, int]], dict[str, tuple[int, int]]] = ({}, {})
+    for place, (reason, count) in enumerate(zip(rows.reasons, found, strict=True)):
         if count and reason:
-            by_kind[0 if lost else 1][reason] = count
+            by_kind[0 if rows.unusable[place] else 1][reason] = count, int(np.argmax(rows.codes == place))
     return by_kind
 
 

@@ -27,7 +27,7 @@ from echocal.observations.file import TextFile
 from echocal.outputs import WriteError, replacing
 from echocal.places import Place, file_digest, place_of, stamp
 
-__all__ = ["RESULT", "SCHEMA", "run_task"]
+__all__ = ["RESULT", "SCHEMA", "refuse_other_version", "run_task"]
 
 SCHEMA = "echocal.task/1"
 RESULT = "echocal.task_result/1"
@@ -62,12 +62,7 @@ def run_task(task: Mapping[str, Any], progress: Callable[[int], None] = lambda r
     }
     staged = str(place)
     try:
-        if task["schema"] != SCHEMA or task["version"] != __version__:
-            message = (
-                f"the task is of echocal {task['version']} ({task['schema']}), and this process has "
-                f"{__version__} ({SCHEMA}); install the same version everywhere"
-            )
-            raise UsageError(message)
+        refuse_other_version(task, SCHEMA)
         job = Job.of(task)
         before = stamp(place)
         last = partial(check_owner, task.get("owner"))
@@ -101,6 +96,16 @@ def run_task(task: Mapping[str, Any], progress: Callable[[int], None] = lambda r
         result["error"] = {"kind": kind, "text": text.replace(staged, str(place))}
     result["seconds"] = round(time.perf_counter() - begun, 6)
     return result
+
+
+def refuse_other_version(task: Mapping[str, Any], schema: str) -> None:
+    """Raise `UsageError` for a task that another version has made."""
+    if task["schema"] != schema or task["version"] != __version__:
+        message = (
+            f"the task is of echocal {task['version']} ({task['schema']}), and this process has "
+            f"{__version__} ({schema}); install the same version everywhere"
+        )
+        raise UsageError(message)
 
 
 def _told(error: BaseException, place: Place) -> tuple[str, str]:

@@ -12,7 +12,7 @@ import json
 import secrets
 import shutil
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -43,14 +43,21 @@ def put(path: Path, data: bytes) -> str:
 
     It does not wait for the disk: who trusts the file later compares the SHA-256.
     """
+    with _unfinished(path) as unfinished:
+        unfinished.write_bytes(data)
+    return hashlib.sha256(data).hexdigest()
+
+
+@contextmanager
+def _unfinished(path: Path) -> Iterator[Path]:
+    """A file to write, which is then put in its place."""
     unfinished = path.with_name(f".{path.name[:50]}.{secrets.token_hex(8)}.unfinished")
     with writing(path):
         try:
-            unfinished.write_bytes(data)
+            yield unfinished
             unfinished.replace(path)
         finally:
             unfinished.unlink(missing_ok=True)
-    return hashlib.sha256(data).hexdigest()
 
 
 class Store:
@@ -60,14 +67,9 @@ class Store:
         self.folder = folder
         self.job = folder / _JOB
 
-    @contextmanager
-    def locked(self) -> Iterator[None]:
-        """Keep other runs out; the lock ends with the process, however it ends.
-
-        Raises `UsageError` if another run has the folder.
-        """
-        with locked(self.folder / FOLDER / "lock"):
-            yield
+    def locked(self) -> AbstractContextManager[bool]:
+        """Keep other runs out; see `echocal.correct.manifest.locked`."""
+        return locked(self.folder / FOLDER / "lock")
 
     def begin(self, job: Mapping[str, Any], force: bool) -> None:
         """Record what the run is, or find that it is the one that was begun.
@@ -200,13 +202,9 @@ def run_spill(task: Mapping[str, Any]) -> dict[str, Any]:
         store.check(job.get("run"))
         with writing(path):
             path.parent.mkdir(parents=True, exist_ok=True)
-            unfinished = path.with_name(f".{path.name}.{secrets.token_hex(8)}.unfinished")
-            try:
-                part.drop("_bucket").write_parquet(unfinished, compression="lz4")
-                store.check(job.get("run"))
-                unfinished.replace(path)
-            finally:
-                unfinished.unlink(missing_ok=True)
+        with _unfinished(path) as unfinished:
+            part.drop("_bucket").write_parquet(unfinished, compression="lz4")
+            store.check(job.get("run"))
     store.check(job.get("run"))
     put(_mark(folder, task["number"]), b"")
     return {"number": task["number"]}

@@ -18,11 +18,12 @@ from typing import Any
 
 from echocal._core import __version__
 from echocal._interrupt import stop_if_told
+from echocal.correct.task import refuse_other_version
 from echocal.diagnose.pipeline import Examined, examined
 from echocal.diagnose.preprocess.reading import read
 from echocal.diagnose.progress import Steps
 from echocal.diagnose.request import Request
-from echocal.errors import EchocalError, UsageError, unexpected
+from echocal.errors import EchocalError, unexpected
 from echocal.fleet.gather import Log, logs
 from echocal.fleet.index import Sensor
 from echocal.fleet.store import Store, put
@@ -50,12 +51,7 @@ def run_task(task: Mapping[str, Any]) -> dict[str, Any]:
     the record of the sensor.
     """
     begun = time.perf_counter()
-    if task["schema"] != SCHEMA or task["version"] != __version__:
-        message = (
-            f"the task is of echocal {task['version']} ({task['schema']}), and this process has "
-            f"{__version__} ({SCHEMA}); install the same version everywhere"
-        )
-        raise UsageError(message)
+    refuse_other_version(task, SCHEMA)
     job = task["job"]
     store = Store(Path(job["store"]))
     store.check(job.get("run"))

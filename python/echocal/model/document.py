@@ -15,7 +15,7 @@ from echocal.model.shape import Shape, Smooth
 from echocal.outputs import replace_text
 from echocal.registry import find_effect
 
-__all__ = ["NEWEST", "SCHEMA", "content", "digest", "sha256", "text_of", "write"]
+__all__ = ["NEWEST", "SCHEMA", "content", "digest", "sha256", "text_of", "to_plain", "write"]
 
 NEWEST = 1
 SCHEMA = f"echocal.model/{NEWEST}"
@@ -84,15 +84,19 @@ def sha256(data: Any) -> str:
     return hashlib.sha256(canonical.encode()).hexdigest()
 
 
+def to_plain(model: Described) -> dict[str, Any]:
+    """A model as its file has it, schema ``echocal.model/1``, with its hash."""
+    document = content(model)
+    return {**document, "hash": digest(document), "data": model.provenance}
+
+
 def text_of(model: Described) -> str:
     """A model's file as text.
 
     Raises `TypeError`, `ValueError`, `RecursionError` if its provenance is not plain data with finite
     numbers.
     """
-    document = content(model)
-    complete = {**document, "hash": digest(document), "data": model.provenance}
-    text = json.dumps(complete, indent=1, allow_nan=False, ensure_ascii=False)
+    text = json.dumps(to_plain(model), indent=1, allow_nan=False, ensure_ascii=False)
     text.encode()  # a lone surrogate cannot be
     return text + "\n"
 
