@@ -147,7 +147,7 @@ def _has_checksums(path: Path) -> bool:
                 first, count = f.chunk_range(chunk)
                 raw.seek(first)
                 try:
-                    return _CRC in thrift.read(raw.read(min(count, _HEADER)))[0]
+                    return _CRC in thrift.read(raw.read(min(count, _HEADER)))
                 except ValueError:  # the reader tells
                     return False
     return False

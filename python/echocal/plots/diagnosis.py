@@ -23,7 +23,6 @@ __all__ = [
     "next_figure",
     "plot_gain",
     "plot_posterior",
-    "plot_residuals",
     "plot_unexplained",
     "residuals_figure",
     "save_diagnosis",
@@ -245,23 +244,6 @@ def _summary(diagnosis: Diagnosis, width: int = 2 * _SUMMARY) -> str:
         text += f", {1e3 * gain.rms_after_m:.2f} mm with the extended model"
     lines = [f"{text}; the column with the clearest trend first", *class_texts(diagnosis)]
     return "\n".join(textwrap.fill(line, width) for line in lines)
-
-
-def plot_residuals(diagnosis: Diagnosis, ax: Axes, against: str, which: str = "before") -> None:
-    """Errors of the base or of the extended model against one column, with the means of thirty bins.
-
-    Both have the same scale, so that a worse model looks worse. Where the model leaves less than a fifth of
-    the error, its scale is its own, and the title says so.
-
-    Parameters
-    ----------
-    against : str
-        A name in ``diagnosis.traces.against``.
-    which : {"before", "after"}
-        Before is the base, after the extended model.
-    """
-    chart = column_chart(diagnosis, against)
-    draw_panel(chart.panels[0 if which == "before" else -1], chart.x, ax)
 
 
 def plot_unexplained(diagnosis: Diagnosis, ax: Axes) -> None:

@@ -115,7 +115,7 @@ def read_footer(file: BinaryIO, name: str, memory: int | None = None) -> Footer:
     begins = size - _END - length
     file.seek(begins)
     try:
-        struct, _ = thrift.read(file.read(length), 0, most)
+        struct = thrift.read(file.read(length), most)
         check(struct, FILE)
         footer = Footer(struct, begins)
         fields = fields_of(footer)

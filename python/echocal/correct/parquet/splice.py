@@ -254,7 +254,7 @@ class Splice:
         data = self._source.read(old[place + 1][1])
         if shift:  # pages are found by their place in the file
             try:
-                index, _ = thrift.read(data)
+                index = thrift.read(data)
                 check(index, PAGES)
             except ValueError as error:
                 message = f"{self._source.name} is damaged: an index of pages cannot be read: {error}"

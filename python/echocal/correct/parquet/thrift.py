@@ -29,14 +29,13 @@ Struct: TypeAlias = dict[int, tuple[int, Value]]
 """Kind and value by the number of the field, in the order of writing."""
 
 
-def read(data: bytes | memoryview, at: int = 0, most: int = MOST) -> tuple[Struct, int]:
-    """Read a structure of so many fields and elements at most; return it, and the place after it.
+def read(data: bytes, most: int = MOST) -> Struct:
+    """Read a structure of so many fields and elements at most.
 
     Raises `ValueError` if the bytes are no such structure.
     """
-    reader = _Reader(data, at, most)
     try:
-        return reader.struct(), reader.at
+        return _Reader(data, most).struct()
     except (IndexError, OverflowError, RecursionError) as error:
         message = f"no structure of Thrift: {error}"
         raise ValueError(message) from None
@@ -50,8 +49,8 @@ def write(struct: Struct) -> bytes:
 
 
 class _Reader:
-    def __init__(self, data: bytes | memoryview, at: int, most: int) -> None:
-        self.data, self.at = data, at
+    def __init__(self, data: bytes, most: int) -> None:
+        self.data, self.at = data, 0
         self._most = self._left = most
 
     def struct(self) -> Struct:
@@ -111,7 +110,7 @@ class _Reader:
         return value
 
     def _take(self, count: int) -> bytes:
-        taken = bytes(self.data[self.at : self.at + count])
+        taken = self.data[self.at : self.at + count]
         if len(taken) < count:
             message = f"{count} bytes where {len(taken)} are left"
             raise ValueError(message)
@@ -119,8 +118,7 @@ class _Reader:
         return taken
 
     def _varint(self) -> int:
-        value = self.data[self.at]
-        self.at += 1
+        value = self._byte()
         if value < 0x80:  # as most are
             return value
         value, shift = value & 0x7F, 7
