@@ -5,8 +5,6 @@ from typing import Any
 
 from echocal.errors import DataError, UsageError
 
-__all__ = ["Port", "block"]
-
 _SILENCE = 10.0  # s without a line, after which a port is told silent
 _FIRST = 5  # lines in which a program tells the names of its columns
 

@@ -5,8 +5,6 @@ from collections.abc import Sequence
 from echocal.diagnose import Diagnosis, NextMeasurement
 from echocal.diagnose.experiment_design.ranges import corners_and_middle
 
-__all__ = ["Span", "decides_nothing_more", "next_place", "places_of"]
-
 Span = tuple[float, float]
 
 _TWICE = 2  # placements at each place: the second shows how exactly the target is placed

@@ -17,8 +17,6 @@ from echocal.observations.numbers import says_no_echo
 from echocal.observations.options import ReadOptions
 from echocal.time_outs import is_echo
 
-__all__ = ["Placement", "Ruler"]
-
 _NAMED = "delimited text"
 _NAMELESS = re.compile(r"column \d+")
 _REFERENCE, _READING = "distance_", "reading_"  # what names begin with

@@ -16,8 +16,6 @@ from echocal.observations.at import uncertain
 from echocal.observations.echoes import DEFAULT_SPEED
 from echocal.quantities import FROM_THERMOMETERS
 
-__all__ = ["Conformity", "assessed", "budget_of_errors", "without_effect"]
-
 Column = NDArray[np.float64]
 
 

@@ -10,17 +10,6 @@ from numpy.typing import NDArray
 from echocal.errors import UsageError
 from echocal.keywords import keyword
 
-__all__ = [
-    "COVERAGE",
-    "DECISIONS",
-    "checked_coverage",
-    "conformity_probability",
-    "coverage_factor",
-    "decided",
-    "plus_minus",
-    "rounded_up",
-]
-
 Column = NDArray[np.float64]
 
 COVERAGE = 0.9545

@@ -25,8 +25,6 @@ from echocal.observations.correction import base_indication, corrected_distance
 from echocal.quantities import DEFAULTS, FROM_THERMOMETERS, QUANTITIES
 from echocal.registry import find_effect
 
-__all__ = ["Entry", "Itemized", "conditions_of", "itemized", "some_rows", "values_of"]
-
 Column = NDArray[np.float64]
 
 OWN = ("parameters", "shape", "residual")

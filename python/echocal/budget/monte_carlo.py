@@ -14,8 +14,6 @@ from echocal.model import Model
 from echocal.observations import Observations
 from echocal.quantities import QUANTITIES
 
-__all__ = ["MonteCarlo", "simulated"]
-
 Column = NDArray[np.float64]
 Random = np.random.Generator
 

@@ -12,8 +12,6 @@ from echocal.budget.entries import Entry, Itemized
 from echocal.budget.monte_carlo import MonteCarlo
 from echocal.shown import Shown
 
-__all__ = ["Budget"]
-
 Column = NDArray[np.float64]
 
 

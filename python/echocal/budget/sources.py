@@ -8,8 +8,6 @@ from numpy.typing import NDArray
 
 from echocal.budget.instruments import TAPES, Limits
 
-__all__ = ["ECHOES", "LAW", "TAPE", "Source", "of_instrument", "of_law", "of_step", "of_tape"]
-
 Column = NDArray[np.float64]
 
 ECHOES = ("echo_time", "reading")

@@ -12,8 +12,6 @@ from echocal.errors import UsageError, among
 from echocal.keywords import keyword
 from echocal.observations.units import NAMES
 
-__all__ = ["PUBLISHED", "Uncertainties"]
-
 PUBLISHED = {"law": "published"}
 """What stands for the published uncertainty of the model's law."""
 

@@ -10,8 +10,6 @@ from numpy.typing import NDArray
 from echocal.errors import ModelError
 from echocal.observations import Observations
 
-__all__ = ["LOSSES", "Column", "Columns", "Form", "Parameter", "Problem", "psi", "robust_scale", "solve"]
-
 Column = NDArray[np.float64]
 Columns = Mapping[str, Column]
 SETTLE = 3  # rounds in which robust values and their scale settle together

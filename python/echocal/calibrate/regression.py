@@ -15,8 +15,6 @@ from echocal.observations import Observations
 from echocal.quantities import FROM_THERMOMETERS, QUANTITIES
 from echocal.registry import find_effect
 
-__all__ = ["Chain", "Regression", "indication"]
-
 LAW = {"law.intercept": ("speed_intercept", "intercept"), "law.slope": ("speed_slope", "slope")}
 """A law's coefficient moves as the effect that deviates nature's law from the device's."""
 

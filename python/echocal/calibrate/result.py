@@ -14,8 +14,6 @@ from echocal.errors import DataError, UsageError
 from echocal.model import Model
 from echocal.shown import Shown
 
-__all__ = ["Calibration", "Estimate", "Prediction"]
-
 
 @dataclass(frozen=True)
 class Estimate:

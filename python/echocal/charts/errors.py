@@ -10,17 +10,6 @@ from echocal.diagnose.findings.sentences import Recorded, most_correlated, shown
 from echocal.diagnose.preprocess.hold_out import HELD_OUT_ROW
 from echocal.diagnose.results.fates import USED
 
-__all__ = [
-    "column_chart",
-    "distance_chart",
-    "drawn_columns",
-    "left_out_chart",
-    "over_chart",
-    "time_chart",
-    "truth_chart",
-]
-
-
 ERROR = "reading minus reference [mm]"
 """What an error is: the label of its axis. The level stands for a reference that is not known."""
 

@@ -15,17 +15,6 @@ from echocal.diagnose.results.grouped import LEAST, Group, has_any, in_common, r
 from echocal.observations.inspection import ColumnFacts, Inspection
 from echocal.verify import Verification
 
-__all__ = [
-    "columns_chart",
-    "counts_chart",
-    "errors_chart",
-    "gain_chart",
-    "posterior_chart",
-    "residual_chart",
-    "sizes_chart",
-    "verdicts_chart",
-]
-
 _MM = 1e3  # mm in a meter
 _INTERVAL = 1.96  # standard uncertainties
 _MOST = 15  # causes that are drawn

@@ -18,14 +18,12 @@ from echocal.engines.worker import check_workers
 from echocal.errors import UsageError
 from echocal.keywords import keyword
 from echocal.model import Model
+from echocal.model.document import to_plain
 from echocal.model.folder import ModelFolder
-from echocal.model.plain import to_plain
 from echocal.objects import is_url
 from echocal.observations.given import READ_OPTIONS, refuse_keywords
 from echocal.observations.layout import Layout
 from echocal.places import place_of, size_of
-
-__all__ = ["correct_files", "in_bytes", "job_of"]
 
 _SMALL = 64 << 20
 """Bytes of inputs below which starting processes takes longer than the work; judgement."""

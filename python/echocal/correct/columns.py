@@ -10,8 +10,6 @@ from echocal.errors import DataError
 from echocal.observations.arrow import Table, arrow
 from echocal.observations.fields import row
 
-__all__ = ["as_text", "labels_as_text", "with_time"]
-
 _INDEX = "__index_level_0__"
 
 

@@ -26,8 +26,6 @@ from echocal.observations.part import Part, Seen
 from echocal.observations.plan import make
 from echocal.quantities import QUANTITIES
 
-__all__ = ["NO_MODEL", "Context", "Corrector", "Tally"]
-
 NO_MODEL = "no model for this key"
 _NO_KEY = "no key"
 

@@ -20,8 +20,6 @@ from echocal.keywords import as_here
 from echocal.objects import Object
 from echocal.places import Place, exists, file_digest, place_of, size_of
 
-__all__ = ["Progress", "Summary", "alone", "question_of", "run", "run_tasks", "task_of"]
-
 _STRAY = re.compile(r"\..+\.[0-9a-f]{16}\.unfinished")
 
 

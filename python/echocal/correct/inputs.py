@@ -10,17 +10,6 @@ from echocal.objects import Object, is_url
 from echocal.observations.source import is_folder
 from echocal.places import Place
 
-__all__ = [
-    "ENDINGS",
-    "PARQUETS",
-    "TEXTS",
-    "Inputs",
-    "Source",
-    "find_inputs",
-    "refuse_ending",
-    "refuse_outputs",
-]
-
 PARQUETS = (".parquet", ".pq")
 TEXTS = (".csv", ".tsv", ".csv.gz", ".tsv.gz")
 ENDINGS = (*TEXTS, *PARQUETS)

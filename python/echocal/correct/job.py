@@ -7,15 +7,13 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
+from echocal.budget.stated import Uncertainties
 from echocal.correct.rows import Reading
-from echocal.correct.uncertainty import Uncertainties
 from echocal.engines.worker import models_digest
 from echocal.errors import ModelError
 from echocal.model import Model
 from echocal.model.folder import ModelFolder
 from echocal.model.plain import from_plain
-
-__all__ = ["Job", "Models"]
 
 
 @dataclass(frozen=True)

@@ -19,8 +19,6 @@ from echocal.model.folder import ModelFolder
 from echocal.objects import Object
 from echocal.places import Place
 
-__all__ = ["LOGS", "logs_of", "surroundings"]
-
 LOGS = ("file", "key", "all")
 """Which files may be one log."""
 

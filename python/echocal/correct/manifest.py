@@ -25,8 +25,6 @@ from echocal.objects import Object
 from echocal.outputs import replace_text
 from echocal.places import Place, exists, file_digest, place_of, stamp
 
-__all__ = ["FOLDER", "Manifest", "check_owner", "locked"]
-
 FOLDER = "_echocal"
 _SCHEMA = "echocal.manifest/1"
 _FILE = "manifest.jsonl"

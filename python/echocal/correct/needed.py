@@ -22,19 +22,6 @@ from echocal.observations.plan import EVERYTHING, make
 from echocal.quantities import AIR, DEFAULTS, FROM_THERMOMETERS, QUANTITIES
 from echocal.registry import find_effect
 
-__all__ = [
-    "NOT_CHECKED",
-    "Needed",
-    "context_of",
-    "needed",
-    "reference_of",
-    "refuse_no_model",
-    "refuse_repeated",
-    "remembered",
-    "rules_of",
-    "with_marks",
-]
-
 _ECHOES = ("echo_time", "reading")
 _SOURCES = {"time": "elapsed_time", "times": "elapsed_time"}  # words of `derived_from`
 NOT_CHECKED = "not checked"

@@ -19,8 +19,6 @@ from echocal.keywords import keyword
 from echocal.observations.arrow import Table, arrow, as_stored
 from echocal.outputs import csv_text, spreadsheet_safe
 
-__all__ = ["parquet_to_text"]
-
 _DAY = 86_400
 _TICKS = {"s": 1, "ms": 10**3, "us": 10**6, "ns": 10**9}
 

@@ -10,9 +10,10 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from echocal.budget.entries import some_rows
+from echocal.budget.stated import Uncertainties
 from echocal.correct.needed import Needed, is_derived, reference_of, trusted, with_marks
 from echocal.correct.results import DISTANCE, LEVEL
-from echocal.correct.uncertainty import Uncertainties, included, standard_uncertainty
+from echocal.correct.uncertainty import included, standard_uncertainty
 from echocal.errors import DataWarning
 from echocal.model import Model
 from echocal.model.indicated_speed import speed_of
@@ -26,8 +27,6 @@ from echocal.observations.numbers import Missing, to_numbers
 from echocal.observations.options import ReadOptions
 from echocal.observations.part import Part
 from echocal.observations.plan import make
-
-__all__ = ["Reading", "Rows", "correct_rows", "no_distance", "whole_log"]
 
 Column = NDArray[np.float64]
 

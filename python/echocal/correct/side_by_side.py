@@ -15,8 +15,6 @@ from echocal.observations.names import IGNORE
 if TYPE_CHECKING:
     from echocal.correct.driver import Summary
 
-__all__ = ["correct_rangers", "ranger_file", "rangers_of"]
-
 
 def rangers_of(by: str | None, models: str | Path | None) -> dict[str, Model]:
     """Model of each ranger that `by` names, as ``"left_cm,right_cm"``; none where it names one column.

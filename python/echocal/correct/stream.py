@@ -10,8 +10,6 @@ import pandas as pd
 from echocal.correct.corrector import Context, Corrector, Tally
 from echocal.correct.rows import Rows
 
-__all__ = ["corrected", "in_order", "with_neighbors"]
-
 Item = TypeVar("Item")
 Made = TypeVar("Made")
 

@@ -22,8 +22,6 @@ from echocal.observations.reading import understood
 from echocal.observations.source import load
 from echocal.observations.table import Observations
 
-__all__ = ["Corrected", "correct", "correct_table", "refuse_corrected", "results_of"]
-
 _ATTRS = {
     DISTANCE: {"units": "m", "long_name": "corrected distance"},
     LEVEL: {"units": "m", "long_name": "corrected level"},

@@ -27,8 +27,6 @@ from echocal.observations.file import TextFile
 from echocal.outputs import WriteError, replacing
 from echocal.places import Place, file_digest, place_of, stamp
 
-__all__ = ["RESULT", "SCHEMA", "refuse_other_version", "run_task"]
-
 SCHEMA = "echocal.task/1"
 RESULT = "echocal.task_result/1"
 

@@ -23,8 +23,6 @@ from echocal.observations.numbers import EMPTY, EXACT
 from echocal.observations.scanner import Block
 from echocal.outputs import opened_output
 
-__all__ = ["KINDS", "kind_of", "possible", "text_to_parquet"]
-
 _VALUES = 1 << 20
 """Values of a row group: a number of rows that depends on the columns only, not on the memory."""
 

@@ -9,8 +9,6 @@ from echocal.correct.results import UNCERTAINTY
 from echocal.model import Model
 from echocal.observations import Observations
 
-__all__ = ["Uncertainties", "included", "standard_uncertainty"]
-
 Column = NDArray[np.float64]
 
 

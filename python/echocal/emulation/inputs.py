@@ -20,8 +20,6 @@ from echocal.silicon import Played
 from echocal.sweep.grid import Range, axis
 from echocal.virtual_bench.echo_time import check_air, echo_time
 
-__all__ = ["TRUTH", "Emulation", "Inputs", "from_ranges", "from_table"]
-
 Column = NDArray[np.float64]
 
 _ASIDE = {"echo_time", "reading", "reference_distance", "temperature"}

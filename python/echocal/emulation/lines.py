@@ -13,8 +13,6 @@ from echocal.errors import DataError, DataWarning
 from echocal.observations import read_observations
 from echocal.silicon import Played
 
-__all__ = ["columns_of", "understood"]
-
 _SILENT = "no echo"
 _SHOWN = 80  # characters of a line in a message
 _LONG = re.compile(rf"\S{{{_SHOWN + 1},}}")

@@ -19,8 +19,6 @@ from echocal.model import Model
 from echocal.registry import find_effect
 from echocal.silicon import Played, Sketch, compile_sketch
 
-__all__ = ["PARTS_OF_ERROR", "columns_of_package", "compile_package", "error_parts", "package_of"]
-
 PARTS_OF_ERROR = {
     "timer": "steps of the timer, and what delays it",
     "sensors": "steps and errors of thermometer and hygrometer, less what the model corrects of them",

@@ -15,8 +15,6 @@ from echocal.fleet.tables import Frame, label, opened, polars
 from echocal.observations.layout import Layout
 from echocal.observations.plan import make
 
-__all__ = ["Log", "logs"]
-
 
 @dataclass(frozen=True)
 class Log:

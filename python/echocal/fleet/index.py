@@ -11,8 +11,6 @@ from echocal.fleet.tables import Opened, label, opened, polars
 from echocal.observations.file import is_parquet
 from echocal.observations.layout import Layout
 
-__all__ = ["Files", "Index", "Sensor", "files_of", "indexed"]
-
 
 @dataclass
 class Sensor:

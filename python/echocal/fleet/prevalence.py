@@ -16,8 +16,6 @@ from echocal.diagnose.noises import registry as noises
 from echocal.diagnose.settings import Settings
 from echocal.fleet.verdicts import FAILED
 
-__all__ = ["Judged", "Prevalence", "false_discoveries", "judged", "prevalence"]
-
 Column = NDArray[np.float64]
 Ids = tuple[str, ...]
 

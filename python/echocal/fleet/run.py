@@ -28,14 +28,12 @@ from echocal.fleet.task import BYTES_A_ROW, digest, run_task, tasks_of
 from echocal.fleet.verdicts import FAILED, failure
 from echocal.keywords import as_here, keyword
 from echocal.model import Model
+from echocal.model.document import to_plain
 from echocal.model.folder import INDEX, index_text, named
-from echocal.model.plain import to_plain
 from echocal.observations.layout import Layout
 from echocal.observations.options import ReadOptions
 from echocal.outputs import replace_text
 from echocal.places import file_digest, stamp
-
-__all__ = ["Fleet", "Progress", "diagnose_fleet"]
 
 Records = list[dict[str, Any]]
 Progress = Callable[[int, int, int], object]

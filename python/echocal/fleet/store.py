@@ -25,8 +25,6 @@ from echocal.observations.file import is_parquet
 from echocal.observations.layout import Layout
 from echocal.places import file_digest
 
-__all__ = ["KEY", "PLACE", "Store", "broken_files", "is_spilled", "pieces", "plan_spills", "put", "run_spill"]
-
 _JOB = "job.json"
 KEY = "_echocal_key"
 PLACE = "_echocal_file"

@@ -12,8 +12,6 @@ from echocal.diagnose.settings import Settings
 from echocal.diagnose.settings.threshold import PROBABLE
 from echocal.fleet.prevalence import Judged, false_discoveries
 
-__all__ = ["SCHEMA", "summary", "together"]
-
 SCHEMA = "echocal.fleet/1"
 
 _WORST = 10  # sensors that are listed

@@ -17,8 +17,6 @@ from echocal.observations.layout import Layout
 from echocal.observations.source import load
 from echocal.places import stamp
 
-__all__ = ["Frame", "Opened", "label", "opened", "polars"]
-
 _HEADER = 1 << 20  # bytes that hold the header of a page
 _CRC = 4  # of PageHeader
 _ROWS = 1 << 16

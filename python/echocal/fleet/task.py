@@ -33,8 +33,6 @@ from echocal.model.plain import from_plain
 from echocal.observations.layout import Layout
 from echocal.observations.options import ReadOptions
 
-__all__ = ["BYTES_A_ROW", "digest", "run_task", "tasks_of"]
-
 SCHEMA = "echocal.fleet_task/1"
 
 _SENSORS = 16

@@ -14,8 +14,6 @@ from echocal.errors import writing
 from echocal.fleet.tables import Frame, polars
 from echocal.outputs import replacing, spreadsheet_safe
 
-__all__ = ["COLUMNS", "FAILED", "failure", "record", "row", "table", "write"]
-
 _PARAMETER = {"name": "String", "value": "Float64", "standard_uncertainty": "Float64", "unit": "String"}
 COLUMNS = {
     "sensor": "String",

@@ -10,8 +10,6 @@ from echocal.conditions import numbers
 from echocal.errors import ModelError
 from echocal.registry import find_effect
 
-__all__ = ["apart", "by_name", "fixed", "numeric", "refuse_no_text", "refuse_standstill", "terms"]
-
 _ROUNDING = 1e-9  # relative asymmetry that a solver may leave
 
 K = TypeVar("K")

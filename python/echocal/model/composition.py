@@ -19,8 +19,6 @@ from echocal.quantities import QUANTITIES
 from echocal.registry import find_effect
 from echocal.shown import Shown
 
-__all__ = ["Model"]
-
 Values = NDArray[np.float64]
 
 

@@ -8,8 +8,6 @@ import numpy as np
 
 from echocal.errors import UsageError
 
-__all__ = ["among", "over"]
-
 
 def among(first: object, conditions: Mapping[str, object]) -> bool:
     """Return whether an argument is a polars expression; polars is not imported for that."""

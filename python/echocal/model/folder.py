@@ -18,8 +18,6 @@ from echocal.errors import DataError, ModelError
 from echocal.keywords import keyword
 from echocal.model.composition import Model
 
-__all__ = ["INDEX", "WHOLE", "ModelFolder", "file_name", "index_text", "label", "named"]
-
 INDEX = "index.json"
 _SCHEMA = "echocal.models/1"
 _UNSAFE = re.compile(r"[^\w.-]+")

@@ -15,8 +15,6 @@ from echocal.keywords import by_caller, keyword
 from echocal.quantities import AIR, DEFAULTS, FROM_THERMOMETERS, QUANTITIES
 from echocal.registry import find_effect
 
-__all__ = ["Needs", "assumed", "of", "of_thermometers"]
-
 
 @dataclass(frozen=True)
 class Needs:

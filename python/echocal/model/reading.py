@@ -17,8 +17,6 @@ from echocal.model.residual_uncertainty import ResidualUncertainty
 from echocal.model.shape import Shape, Smooth
 from echocal.registry import find_effect
 
-__all__ = ["built"]
-
 _WIDEST = 1e150  # standard uncertainty whose square is still a number
 _DIGITS = 9  # of a schema's number; more are a mistake
 

@@ -9,8 +9,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from echocal.errors import ModelError
 
-__all__ = ["ResidualUncertainty"]
-
 Column = NDArray[np.float64]
 
 _CLASSES = 50  # of the distance, in which squares are summed: a variance that is linear in d^2 needs no more

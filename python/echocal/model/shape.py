@@ -11,8 +11,6 @@ from echocal.errors import DataError, ModelError
 from echocal.model.residual_uncertainty import ResidualUncertainty
 from echocal.quantities import QUANTITIES
 
-__all__ = ["DISTANCE", "Shape", "Smooth", "is_extra"]
-
 Column = NDArray[np.float64]
 
 DISTANCE = "distance"

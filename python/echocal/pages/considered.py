@@ -9,8 +9,6 @@ from echocal.explore import FORMS, TWO_INPUTS
 from echocal.firmware import Firmware, generate
 from echocal.model import Model
 
-__all__ = ["Considered", "considered"]
-
 
 @dataclass(frozen=True)
 class Considered:

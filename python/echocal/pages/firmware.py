@@ -14,8 +14,6 @@ from echocal.model import Model
 from echocal.pages.considered import Considered
 from echocal.report.html.document import rendered
 
-__all__ = ["firmware_page"]
-
 _ECHOES, _LINES = 300, 5
 _MM, _US = 1e3, 1e6
 _NOTES = (

@@ -6,8 +6,6 @@ from dataclasses import dataclass
 
 from echocal.errors import DataError
 
-__all__ = ["BYTES", "VERSION", "Block", "crc16"]
-
 VERSION = 1
 """Version of the layout."""
 

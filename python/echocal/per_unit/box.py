@@ -9,8 +9,6 @@ from echocal.keywords import exact, keyword
 from echocal.model import Model
 from echocal.registry import find_effect
 
-__all__ = ["PARAMETERS", "Box", "Parameter", "Side"]
-
 
 @dataclass(frozen=True)
 class Parameter:

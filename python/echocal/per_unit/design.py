@@ -20,8 +20,6 @@ from echocal.per_unit.block import VERSION
 from echocal.per_unit.box import Box
 from echocal.per_unit.layout import Echoes, Layout
 
-__all__ = ["UnitFirmware", "generate_per_unit"]
-
 _SHARE = 0.5
 """Largest share of the error bound that whole echo codes may take; above it the fraction is taken off the
 output. Set by hand: it leaves the function as much."""

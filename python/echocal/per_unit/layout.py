@@ -11,8 +11,6 @@ from echocal.errors import UsageError
 from echocal.keywords import keyword
 from echocal.per_unit.box import Box, Side
 
-__all__ = ["Echoes", "Layout"]
-
 _TOP = 65_535  # of a uint16_t
 _MOST_PLACES = 8
 _FEW_PLACES = 2  # a shift of an AVR by one byte is free, by two bits takes four cycles, by more a loop

@@ -18,8 +18,6 @@ from echocal.outputs import spreadsheet_safe
 from echocal.per_unit.block import Block
 from echocal.per_unit.box import PARAMETERS, Box
 
-__all__ = ["TABLE", "Written", "block_of", "number_of", "write_units"]
-
 TABLE = "units.csv"
 """Name of the table in a folder of blocks."""
 

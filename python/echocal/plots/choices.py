@@ -9,8 +9,6 @@ from matplotlib.colors import LogNorm
 from matplotlib.lines import Line2D
 from matplotlib.ticker import LogLocator, NullFormatter, ScalarFormatter
 
-__all__ = ["plot_choices"]
-
 _NEAR = 1.15  # points closer than this in both axes share a label
 _MARKERS = ("o", "s", "^", "D", "v", "P", "X")
 _KINDS = ("polynomial", "product", "square", "segments", "linear between", "table", "speed factor")

@@ -17,17 +17,6 @@ from echocal.diagnose.results.explain import class_texts, lead, proposal_text
 from echocal.model import Shape
 from echocal.plots.draw import STYLE, draw_bars, draw_panel, fitted, save_figures
 
-__all__ = [
-    "PICTURES",
-    "TERM",
-    "next_figure",
-    "plot_gain",
-    "plot_posterior",
-    "plot_unexplained",
-    "residuals_figure",
-    "save_diagnosis",
-]
-
 _FAINT = "#8fa0a8"
 _TERM_LABEL, _TERM_TITLE = 75, 100  # characters of a line
 _MANY = 200  # with more rows, points are transparent

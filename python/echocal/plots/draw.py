@@ -16,18 +16,6 @@ from echocal.charts.parts import Axis, Bars, Chart, Line, Panel, Points, Rug
 from echocal.errors import UsageError, writing
 from echocal.outputs import replacing
 
-__all__ = [
-    "STYLE",
-    "TONES",
-    "draw_bars",
-    "draw_chart",
-    "draw_panel",
-    "fitted",
-    "in_form",
-    "save_figure",
-    "save_figures",
-]
-
 _MOST = 3  # lines
 _LABEL_CHARACTER, _TITLE_CHARACTER = 0.069, 0.062  # inches, at 9 and at 8 points
 _MARGIN = 0.2  # inches

@@ -16,8 +16,6 @@ from echocal.diagnose.pooling.parts import PooledCause
 from echocal.diagnose.pooling.result import PooledDiagnosis
 from echocal.plots.draw import STYLE, draw_bars, save_figures
 
-__all__ = ["PICTURES", "plot_sizes", "save_fleet", "save_pooled"]
-
 POOLED_PICTURES = ("sizes.png",)
 """Names of the files that `save_pooled` writes."""
 

@@ -16,8 +16,6 @@ from numpy.typing import NDArray
 from echocal.quantities import QUANTITIES
 from echocal.quantities.units import printed
 
-__all__ = ["plot_sweep", "sweep_figure"]
-
 # what a person reads: unit on paper, and its size in the unit of the grid
 _SHOWN = {
     "error": ("mm", 1e-3),

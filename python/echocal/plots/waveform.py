@@ -10,8 +10,6 @@ from echocal.errors import DataError
 from echocal.virtual_bench import Scene, Sensor
 from echocal.virtual_bench import waveform as sampled
 
-__all__ = ["plot_waveform", "waveform_figure"]
-
 _RATE = 2e6  # Hz
 _MILLI = 1e3
 _BEFORE, _AFTER = 0.1, 0.9  # ms about the front of the echo

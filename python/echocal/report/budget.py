@@ -14,17 +14,6 @@ from echocal.budget.entries import Entry
 from echocal.budget.sources import LAW
 from echocal.quantities import QUANTITIES
 
-__all__ = [
-    "HEADS",
-    "conditions_at",
-    "conditions_head",
-    "conditions_text",
-    "lines",
-    "print_budget",
-    "probability_text",
-    "result_text",
-]
-
 HEADS = ("source", "type", "u(x)", "sensitivity", "u(d) [mm]", "ν", "share")
 """Source, type and distribution, standard uncertainty of the input, sensitivity coefficient, contribution,
 degrees of freedom, part of the variance."""

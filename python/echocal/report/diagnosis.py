@@ -23,8 +23,6 @@ from echocal.diagnose.results.explain import (
 )
 from echocal.diagnose.results.grouped import LEAST, grouped, in_common
 
-__all__ = ["STYLE", "listed", "print_diagnosis"]
-
 STYLE = {
     "named": "bold green",
     "ambiguous": "bold yellow",

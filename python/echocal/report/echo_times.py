@@ -8,8 +8,6 @@ import pandas as pd
 from echocal.errors import UsageError
 from echocal.waveforms import EchoTimes
 
-__all__ = ["COLUMNS", "counted", "echo_table", "said"]
-
 COLUMNS = (
     "capture",
     "echo_us",

@@ -20,8 +20,6 @@ from echocal.diagnose.pooling.result import PooledDiagnosis
 from echocal.diagnose.results.explain import probability_text
 from echocal.report.diagnosis import STYLE, listed
 
-__all__ = ["print_fleet", "print_pooled"]
-
 _MOST_TABLES = 40  # tables that are listed for each cause
 _LEAST = 0.005  # probability of a set that is shown
 _SETS = 6

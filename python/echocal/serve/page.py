@@ -22,8 +22,6 @@ from echocal.serve.fields import (
 )
 from echocal.serve.session import CHOICES, Session
 
-__all__ = ["Page"]
-
 _MOST_BYTES = 200_000_000
 _TARGETS = ("c99", "avr", "cortex-m0", "cortex-m3", "cortex-m4f", "rv32", "rv32e")
 

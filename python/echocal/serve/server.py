@@ -8,8 +8,6 @@ from echocal.errors import UsageError
 from echocal.keywords import on_page
 from echocal.serve.fields import FIELDS
 
-__all__ = ["HOST", "PORT", "OwnPagesOnly", "serve"]
-
 HOST, PORT = "127.0.0.1", 8477
 _NAMES = (HOST, "localhost")
 

@@ -23,8 +23,6 @@ from echocal.observations.units import NAMES
 from echocal.outputs import csv_text
 from echocal.report.html import report_page
 
-__all__ = ["CHOICES", "Session"]
-
 CHOICES = ("", *NAMES, EXTRA, IGNORE)
 """What a column can be taken for; nothing, where it is no quantity."""
 

@@ -17,16 +17,6 @@ from echocal.silicon.avr import HEADERS
 from echocal.silicon.board import HERE
 from echocal.silicon.tools import absent, attempt, compiler_version, kept, run
 
-__all__ = [
-    "SKETCHES",
-    "Sketch",
-    "compile_sketch",
-    "missing_for_sketches",
-    "refuse_missing",
-    "simulated_uno",
-    "with_prototypes",
-]
-
 _DEFINED = re.compile(r"(?P<head>[A-Za-z_][\w:<>,*&\s]*?[\s*&]+(?P<name>\w+)\s*\([^(){};]*\))\s*\{")
 _NO_CODE = re.compile(
     r"//(?:\\\n|[^\n])*|/\*.*?(?:\*/|\Z)|\"(?:\\.|[^\"\\\n])*\"|'(?:\\.|[^'\\\n])*'|^[ \t]*\#(?:\\\n|[^\n])*",

@@ -5,8 +5,6 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["CLOCK", "Habit", "Line", "Log", "codes_of", "habit_of", "rows_of", "told_late"]
-
 CLOCK = 16_000_000
 """Cycles in a second."""
 

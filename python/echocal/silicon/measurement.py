@@ -10,8 +10,6 @@ from echocal.errors import UsageError
 from echocal.silicon.board import Board, Generated, called, function
 from echocal.silicon.cores import CORES
 
-__all__ = ["Measurement", "measure", "missing", "output_hash"]
-
 
 @dataclass(frozen=True)
 class Measurement:

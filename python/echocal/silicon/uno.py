@@ -14,9 +14,6 @@ from numpy.typing import ArrayLike, NDArray
 from echocal.errors import DataError, EchocalError, UsageError
 from echocal.silicon.arduino import SIMULATOR_WAY_OUT, Sketch, simulated_uno
 from echocal.silicon.events import CLOCK, Habit, Log, codes_of, habit_of, rows_of, told_late
-from echocal.time_outs import HC_SR04 as TIME_OUT
-
-__all__ = ["TIME_OUT", "Played", "play", "refuse_impossible"]
 
 SILENCE = 450e-6
 """From the end of the trigger to ECHO's rise [s]: eight periods of 40 kHz and what the module does before."""

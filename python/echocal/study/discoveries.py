@@ -20,8 +20,6 @@ from echocal.study.origin import (
 )
 from echocal.study.tables import Table, Tables
 
-__all__ = ["Discovery", "converted", "discoveries"]
-
 Array = NDArray[np.float64]
 LOWEST, HIGHEST = -20.0, 60.0  # degC, the domain of linear laws
 BITS = (8, 9, 10, 11, 12)  # what microcontrollers' converters have, and their neighbors

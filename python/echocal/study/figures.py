@@ -13,8 +13,6 @@ from echocal.study import Study
 from echocal.study.origin import error
 from echocal.study.tables import DISTANCE
 
-__all__ = ["FIGURES", "draw_figure_3", "draw_figure_4", "draw_figure_6", "save"]
-
 INK, GRAY, GRID = "#1f2933", "#7b8794", "#e4e7eb"
 STUDY, TINKERCAD = "#d64545", "#e08e0b"
 AIR = {"dry air": "#9fb3c8", "50 % RH": "#2d7dd2", "100 % RH": "#12355b"}

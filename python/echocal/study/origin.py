@@ -11,22 +11,6 @@ from echocal.model import Model
 from echocal.observations import read_observations
 from echocal.study.tables import DISTANCE, READING_SPEED, Table, Tables, observations
 
-__all__ = [
-    "CAUSES",
-    "REFERENCE_LAW",
-    "STATED_LAW",
-    "Alternative",
-    "alternatives",
-    "error",
-    "explain",
-    "fit_table_law",
-    "reading",
-    "reading_in",
-    "speed",
-    "table_law",
-    "time",
-]
-
 Array = NDArray[np.float64]
 
 STATED_LAW = "331.4+0.6*T"

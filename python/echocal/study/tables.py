@@ -13,8 +13,6 @@ from numpy.typing import NDArray
 from echocal.errors import DataError
 from echocal.observations import Observations, read_observations
 
-__all__ = ["DISTANCE", "READING_SPEED", "Printed", "Table", "Tables", "observations", "reach"]
-
 DISTANCE = 2.0
 """Reference distance of the study [m]."""
 

@@ -7,8 +7,6 @@ from typing import Any
 
 from echocal.study.tables import Printed, Tables
 
-__all__ = ["CHECKS", "Cell", "Claim", "Finding", "Verdict", "check"]
-
 
 class Verdict(StrEnum):
     """What became of a claim."""

@@ -11,8 +11,6 @@ from echocal.errors import UsageError
 from echocal.observations.units import NAMES
 from echocal.quantities import QUANTITIES
 
-__all__ = ["Range", "axis", "parse", "parse_named"]
-
 Range: TypeAlias = "float | tuple[float, float, float] | Sequence[float] | NDArray[np.float64]"
 """One value; (start, stop, step), stop included; or values one by one."""
 

@@ -10,8 +10,6 @@ from echocal.virtual_bench.waveform.possible import Limits, check
 from echocal.virtual_bench.waveform.scene import Scene
 from echocal.virtual_bench.waveform.sensor import Sensor
 
-__all__ = ["DETECTORS", "check_air", "echo_time", "scene_of"]
-
 DETECTORS = ("ideal", "comparator")
 """Which module times the echo: one that tells `2 d / c`, or an HC-SR04 with its comparator."""
 

@@ -13,19 +13,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from echocal.errors import UsageError
 
-__all__ = [
-    "DHT22",
-    "DS18B20",
-    "HIH4030",
-    "LM35",
-    "PARTS",
-    "POTENTIOMETER",
-    "TMP36",
-    "AnalogThermometer",
-    "Thermometer",
-    "following",
-]
-
 Column = NDArray[np.float64]
 
 _FULL_SUN = 1000.0  # W/m2

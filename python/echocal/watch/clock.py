@@ -19,8 +19,6 @@ from echocal.observations.fields import shown
 from echocal.observations.options import ReadOptions
 from echocal.watch.settings import WatchSettings
 
-__all__ = ["Clock", "Moved", "Times", "Waiting"]
-
 _STEPS = 32  # waits between rows that say what is usual
 _KEPT = 100  # times that a clock was set which are remembered
 _CALENDAR = 1e8  # s: a clock below counts from its own start, or was not set

@@ -19,8 +19,6 @@ from echocal.watch.rows import in_range
 from echocal.watch.sensor import Done
 from echocal.watch.state import State
 
-__all__ = ["Comparison"]
-
 _KEPT = 128
 """Rows of a target that are kept; judgement: a change is mostly told within fewer."""
 

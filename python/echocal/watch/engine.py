@@ -21,8 +21,6 @@ from echocal.watch.settings import WatchSettings
 from echocal.watch.source import Files
 from echocal.watch.state import State
 
-__all__ = ["watch"]
-
 
 def watch(
     source: str | Path | Iterable[Row] | Iterable[str],

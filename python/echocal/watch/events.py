@@ -7,8 +7,6 @@ from typing import Any
 
 import numpy as np
 
-__all__ = ["SCHEMA", "Event", "finite", "instant"]
-
 SCHEMA = "echocal.event/1"
 
 _LONGEST = 80  # letters of an id that a person reads

@@ -25,8 +25,6 @@ from echocal.watch.settings import WatchSettings
 from echocal.watch.signatures import unwatchable
 from echocal.watch.state import State
 
-__all__ = ["Fleet"]
-
 _NO_KEY = "no key"
 
 Told = list[tuple[int, Event]]

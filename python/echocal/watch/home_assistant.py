@@ -20,8 +20,6 @@ from echocal.watch.events import Event, finite
 from echocal.watch.mqtt import client_of, connect
 from echocal.watch.rows import Row
 
-__all__ = ["HomeAssistant", "discovery"]
-
 _PREFIX = "homeassistant"  # of Home Assistant's own settings
 _WAIT = 10.0  # s for the last messages to leave
 _CHANGE = "change"

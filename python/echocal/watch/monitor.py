@@ -13,8 +13,6 @@ from echocal.watch.sequential import Onset, Onsets
 from echocal.watch.settings import WatchSettings
 from echocal.watch.threshold import slack, threshold
 
-__all__ = ["Alarm", "Monitor"]
-
 Column = NDArray[np.float64]
 
 DAY = 86400.0

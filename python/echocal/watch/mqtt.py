@@ -12,8 +12,6 @@ from echocal.watch.parser import Batch, json_of, parsed
 from echocal.watch.rows import Row
 from echocal.watch.state import State
 
-__all__ = ["Broker", "client_of", "connect", "place_of"]
-
 _MOST = 2000  # messages of a batch
 
 

@@ -12,8 +12,6 @@ from scipy.stats import chi2
 from echocal.observations.quantiles import MAD_TO_SD
 from echocal.watch.settings import WatchSettings
 
-__all__ = ["Learned", "Noises", "coarse", "growth", "learn", "unlike", "weights", "whitened"]
-
 Column = NDArray[np.float64]
 
 _ROUNDS = 4  # of clipping outliers and fitting again

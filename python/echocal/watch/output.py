@@ -13,8 +13,6 @@ from echocal.watch.events import finite
 from echocal.watch.rows import Row
 from echocal.watch.state import State
 
-__all__ = ["Growing", "Stream", "Table"]
-
 
 class Growing:
     """A text file to which lines are appended.

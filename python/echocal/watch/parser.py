@@ -17,8 +17,6 @@ from echocal.observations.limits import from_json
 from echocal.observations.scanner import Scanner
 from echocal.watch.rows import Row
 
-__all__ = ["Arrival", "Batch", "Parser", "Unread", "json_of", "parsed"]
-
 _MOST = 2000  # rows of a batch: what a stop by force repeats at most
 _FEW = 20  # lines among which there is a header, or none comes
 _SHOWN = 80  # letters of a text that a message shows

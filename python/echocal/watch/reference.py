@@ -9,8 +9,6 @@ from echocal.keywords import command_line, keyword
 from echocal.model import Model
 from echocal.model.folder import ModelFolder
 
-__all__ = ["Models", "Reference", "models_of", "refuse_columns"]
-
 Models = Callable[[str], Model | None]
 
 

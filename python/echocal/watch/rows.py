@@ -16,8 +16,6 @@ from echocal.observations.numbers import NO_NUMBER, Missing, number_of
 from echocal.observations.plan import Assignment, Plan, make, read_columns
 from echocal.quantities import QUANTITIES
 
-__all__ = ["Columns", "Reader", "Row", "conditions_of", "in_range", "refused_names"]
-
 Row = Mapping[str, Any]
 
 _ECHOES = ("echo_time", "reading")

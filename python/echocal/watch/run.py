@@ -18,8 +18,6 @@ from echocal.watch.parser import Arrival, Batch, Unread
 from echocal.watch.rows import Row, refused_names
 from echocal.watch.source import Source
 
-__all__ = ["SCHEMA", "Run"]
-
 SCHEMA = "echocal.unread/1"
 
 

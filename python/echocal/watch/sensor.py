@@ -24,8 +24,6 @@ from echocal.watch.rows import Row, conditions_of, row_to_keep
 from echocal.watch.settings import WatchSettings
 from echocal.watch.signatures import Signature, Signatures, refuse_unwatchable, step_and_drift
 
-__all__ = ["Done", "Host", "Sensor", "results"]
-
 
 def results(first: str) -> tuple[str, str, str]:
     """Names of the columns that are appended, where the first is that of a distance or of a level."""

@@ -12,8 +12,6 @@ from echocal.watch.monitor import DAY, Alarm, Monitor
 from echocal.watch.settings import WatchSettings
 from echocal.watch.signatures import Signature
 
-__all__ = ["changed", "ignored", "learned", "moved", "why_refuted"]
-
 
 class Watched(Protocol):
     """What the sentences tell of a sensor; see `echocal.watch.sensor.Sensor`."""

@@ -6,8 +6,6 @@ from typing import Any
 from echocal.diagnose.settings.threshold import threshold
 from echocal.errors import UsageError
 
-__all__ = ["WatchSettings"]
-
 
 @dataclass(frozen=True, kw_only=True)
 class WatchSettings:

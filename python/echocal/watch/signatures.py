@@ -10,8 +10,6 @@ from echocal.errors import DataError, EchocalError, ModelError
 from echocal.model import Model
 from echocal.registry import Effect, Parameter, effects
 
-__all__ = ["DRIFT", "STEP", "Signature", "Signatures", "refuse_unwatchable", "step_and_drift", "unwatchable"]
-
 Column = NDArray[np.float64]
 
 STEP, DRIFT = "step_change", "drift"

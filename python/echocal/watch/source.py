@@ -13,8 +13,6 @@ from echocal.observations.limits import LINE, too_long
 from echocal.watch.parser import Batch, Parser
 from echocal.watch.state import State
 
-__all__ = ["Files", "Lines", "Source"]
-
 _JSON = (".jsonl", ".ndjson")
 _TEXTS = (".csv", ".tsv", *_JSON)
 _BYTES = 1 << 20  # that are read at a time

@@ -13,8 +13,6 @@ from echocal.errors import DataError, UsageError
 from echocal.keywords import keyword
 from echocal.watch.rows import Row
 
-__all__ = ["State"]
-
 SCHEMA = "echocal.watch/5"
 
 _TABLES = {

@@ -9,8 +9,6 @@ from scipy.integrate import quad
 from scipy.optimize import brentq
 from scipy.special import ndtr, ndtri
 
-__all__ = ["false_alarm_rate", "slack", "threshold"]
-
 Column = NDArray[np.float64]
 
 _NODES = 201  # values of the unknown scale

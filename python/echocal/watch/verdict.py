@@ -12,8 +12,6 @@ from echocal.watch.events import Event
 from echocal.watch.rows import Row
 from echocal.watch.sensor import Sensor
 
-__all__ = ["told"]
-
 
 def told(sensor: Sensor, rows: list[Row], last: Waiting, options: dict[str, Any]) -> Event | None:
     """Run the diagnosis on rows; an event if its verdict is another one than the last one told.

@@ -15,8 +15,6 @@ from scipy.fft import fft, ifft, irfft, next_fast_len
 
 from echocal.waveforms.template import Template
 
-__all__ = ["Baseband", "Filter", "Plan", "reach_of"]
-
 Real = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 

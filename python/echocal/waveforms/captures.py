@@ -9,8 +9,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from echocal.errors import DataError, UsageError
 
-__all__ = ["Captures", "captures_of", "per_capture", "positive"]
-
 Floats = NDArray[np.float64]
 
 _AT_ONCE = 2**21

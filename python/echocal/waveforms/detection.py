@@ -9,8 +9,6 @@ from scipy.fft import rfft
 from echocal.waveforms.baseband import Baseband, Plan
 from echocal.waveforms.result import code
 
-__all__ = ["FALSE_ALARM", "Detection", "detect", "envelope_peak"]
-
 Real = NDArray[np.float64]
 
 FALSE_ALARM = 1e-3

@@ -11,17 +11,6 @@ from scipy.special import erfc, ndtr
 from echocal.waveforms.baseband import Baseband, Plan
 from echocal.waveforms.detection import Detection, detect, envelope_peak
 
-__all__ = [
-    "ESTIMATORS",
-    "Estimate",
-    "Estimator",
-    "Request",
-    "envelope",
-    "matched_filter",
-    "phase",
-    "threshold",
-]
-
 FRACTION = 0.5
 """Part of the maximum at which the rise is timed: there the envelope of an echo is about steepest."""
 

@@ -15,8 +15,6 @@ from echocal.errors import DataError, UsageError
 from echocal.keywords import keyword
 from echocal.waveforms.captures import positive
 
-__all__ = ["SAMPLE_RATE_COLUMN", "columns_beside", "full_scale_of", "list_column", "read_waveforms"]
-
 SAMPLE_RATE_COLUMN = "sample_rate_Hz"
 """Column or metadata of a Parquet file that holds the sample rate [Hz]."""
 

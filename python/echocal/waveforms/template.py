@@ -9,8 +9,6 @@ from scipy.signal import hilbert, residue
 
 from echocal.errors import UsageError
 
-__all__ = ["CARRIER", "CYCLES", "QUALITY_FACTOR", "Template", "model_burst", "template_of"]
-
 CARRIER = 40e3
 """Center frequency of the transducers of an HC-SR04 [Hz]; its data sheet says 40 kHz."""
 

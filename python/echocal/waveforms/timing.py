@@ -17,8 +17,6 @@ from echocal.waveforms.estimators import ESTIMATORS, Request, matched_filter
 from echocal.waveforms.result import EchoTimes, code
 from echocal.waveforms.template import CARRIER, Template, template_of
 
-__all__ = ["averaged", "echo_times"]
-
 _LEAST = 10
 """Captures with an echo that a mean needs: of n, the template has 1/n of their noise."""
 

@@ -22,8 +22,6 @@ from echocal.model.folder import label
 from echocal.observations.arrow import arrow, to_pandas
 from echocal.outputs import opened_output
 
-__all__ = ["Parquet", "arrow_file", "correct_parquet"]
-
 _CODECS = {"UNCOMPRESSED": "NONE", "LZ4_RAW": "LZ4"}
 """Names for writing, where files call them differently."""
 

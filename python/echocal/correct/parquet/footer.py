@@ -13,8 +13,6 @@ from echocal.correct.parquet.thrift import BINARY, I32, I64, INTEGERS, LIST, STR
 from echocal.errors import DataError
 from echocal.keywords import keyword
 
-__all__ = ["PAGES", "Field", "Footer", "check", "chunk_range", "fields_of", "read_footer"]
-
 MAGIC = b"PAR1"
 _ENCRYPTED = b"PARE"
 _END = 8  # bytes: length of the footer, and the magic

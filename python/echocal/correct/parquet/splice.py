@@ -20,8 +20,6 @@ from echocal.correct.rows import Rows, no_distance
 from echocal.errors import DataError
 from echocal.observations.arrow import arrow
 
-__all__ = ["Encoded", "Splice", "columns_of", "encode", "result_fields"]
-
 _PART = 1 << 22  # bytes that are copied at a time
 _STORED = b"ARROW:schema"
 _PANDAS = b"pandas"

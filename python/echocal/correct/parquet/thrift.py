@@ -9,8 +9,6 @@ from typing import Any, TypeAlias
 
 from echocal.keywords import keyword
 
-__all__ = ["BINARY", "BYTES", "I32", "I64", "INTEGERS", "LIST", "MOST", "STRUCT", "Struct", "read", "write"]
-
 TRUE, FALSE, BYTE, I16, I32, I64, DOUBLE, BINARY, LIST, SET, MAP, STRUCT = range(1, 13)
 INTEGERS = (I16, I32, I64)
 

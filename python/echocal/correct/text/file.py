@@ -31,8 +31,6 @@ from echocal.observations.source import refuse_unstreamed
 from echocal.observations.text import blocks_of
 from echocal.outputs import opened_output
 
-__all__ = ["Text", "check_whole", "correct_blocks", "correct_text", "with_results", "writing_text"]
-
 Made = TypeVar("Made")
 
 _BLOCK = (1 << 18, 1 << 23)

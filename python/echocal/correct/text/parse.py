@@ -15,8 +15,6 @@ from echocal.observations.numbers import EMPTY, NO_NUMBER
 from echocal.observations.scanner import Block, Scanner, strings, texts_of
 from echocal.outputs import spreadsheet_safe
 
-__all__ = ["Parser"]
-
 
 class Parser:
     """Parses blocks of one file.

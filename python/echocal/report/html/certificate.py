@@ -32,8 +32,6 @@ from echocal.report.budget import (
 )
 from echocal.report.html.document import rendered
 
-__all__ = ["Certificate", "certificate_page", "certify", "refuse_ending", "save_certificate"]
-
 Column = NDArray[np.float64]
 
 _MOST = 12  # lines of results, so that they stay on their page

@@ -12,8 +12,6 @@ from numpy.typing import NDArray
 from echocal.charts.parts import Axis, Bar, Bars, Chart, Line, Panel, Points, Rug
 from echocal.checksums import SEAL, sealed
 
-__all__ = ["Head", "Section", "drawn", "notes_of", "rendered", "sections_page"]
-
 _DIGITS = 6  # of a value in a page: more than a screen shows
 
 

@@ -34,8 +34,6 @@ from echocal.model.document import text_of
 from echocal.outputs import replace_text
 from echocal.report.html.document import rendered
 
-__all__ = ["report_page", "save_report"]
-
 _NEARLY_ALL = 99.0  # %, above which whole numbers do not tell shares apart
 _BESIDE = 3  # columns whose figures are shown, besides the time
 

@@ -7,8 +7,6 @@ from echocal.report.html.document import Head, Section, notes_of, sections_page
 from echocal.report.results import headline
 from echocal.verify import Verification
 
-__all__ = ["calibration_page", "inspection_page", "verification_page"]
-
 
 def calibration_page(found: Calibration, heading: str, made_by: str = "") -> str:
     """A calibration as an HTML document that needs no other file and no network."""

@@ -11,8 +11,6 @@ from echocal.diagnose.results.explain import probability_text
 from echocal.report.html.document import Head, Section, notes_of, sections_page
 from echocal.report.several import false_names
 
-__all__ = ["fleet_page", "pooled_page"]
-
 
 def pooled_page(pooled: PooledDiagnosis, heading: str = "several tables", made_by: str = "") -> str:
     """A diagnosis of several tables as an HTML document that needs no other file and no network."""

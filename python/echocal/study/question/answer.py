@@ -27,8 +27,6 @@ from echocal.study.question.measurements import Effects, Outcome, judge
 from echocal.study.question.suspects import Suspect
 from echocal.study.tables import DISTANCE, READING_SPEED, Tables
 
-__all__ = ["Answer", "Made", "answer"]
-
 Column = NDArray[np.float64]
 
 _ODD = 6.0  # degC: the row whose reading is that of 4 degC

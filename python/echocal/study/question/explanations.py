@@ -12,21 +12,6 @@ from echocal.study.question.investigation import Readings
 from echocal.study.question.suspects import Suspect
 from echocal.study.tables import Table
 
-__all__ = [
-    "LIMIT",
-    "Explanation",
-    "Pattern",
-    "Verdict",
-    "compare",
-    "curve",
-    "deviation",
-    "explain",
-    "involved",
-    "pattern_of",
-    "unrounded",
-    "without_steps",
-]
-
 Column = NDArray[np.float64]
 
 _GRID = 201  # sizes that are tried over a range; their posterior is some 10 of them wide

@@ -21,8 +21,6 @@ from echocal.study.question.laws import ALL, suspect
 from echocal.study.question.suspects import Suspect
 from echocal.study.tables import DISTANCE, Tables
 
-__all__ = ["NEAR", "TOLD", "Investigation", "Readings", "investigate", "run"]
-
 Column = NDArray[np.float64]
 Progress = Callable[[int, int], object]
 

@@ -9,8 +9,6 @@ from numpy.typing import NDArray
 from echocal.study.question.explanations import Explanation, Pattern
 from echocal.study.question.suspects import Suspect
 
-__all__ = ["MEASUREMENTS", "Effects", "Measurement", "Outcome", "judge", "separation"]
-
 Column = NDArray[np.float64]
 
 _READINGS = 10

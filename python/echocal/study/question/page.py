@@ -17,8 +17,6 @@ from echocal.study.question.investigation import NEAR
 from echocal.study.question.laws import suspect
 from echocal.study.question.measurements import MEASUREMENTS, separation
 
-__all__ = ["FIGURES", "document", "filled", "render", "show"]
-
 _ON_TERMINAL = 6
 
 FIGURES = ("study-question.png", "study-question-next.png")

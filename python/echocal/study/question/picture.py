@@ -11,8 +11,6 @@ from echocal.study.question.answer import Answer, Made
 from echocal.study.question.explanations import LIMIT, unrounded
 from echocal.study.question.page import FIGURES
 
-__all__ = ["draw_outcomes", "draw_rows", "draw_suspects", "save"]
-
 INK, GRAY, GRID = "#1f2933", "#7b8794", "#e4e7eb"
 REMAINS, EXCLUDED, TABLE = "#2d7dd2", "#9fb3c8", "#e08e0b"
 _LOWEST, _HIGHEST = -26.0, 13.0  # mm

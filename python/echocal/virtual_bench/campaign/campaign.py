@@ -14,8 +14,6 @@ from echocal.virtual_bench.waveform.fluctuations import Turbulence
 from echocal.virtual_bench.waveform.sensor import Sensor
 from echocal.virtual_bench.waveform.target import Target
 
-__all__ = ["CAUSES", "INTERFERENCE", "TILT", "Campaign", "Cause", "Random", "Surroundings", "cause"]
-
 Column = NDArray[np.float64]
 Labels = NDArray[np.int64]
 

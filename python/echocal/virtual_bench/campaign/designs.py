@@ -9,8 +9,6 @@ from echocal.errors import UsageError
 from echocal.virtual_bench.campaign.campaign import Campaign, Random, Surroundings
 from echocal.virtual_bench.waveform.fluctuations import INDOORS, OUTDOORS, remembering
 
-__all__ = ["DESIGNS", "lay_down", "placements", "room", "tape", "weather"]
-
 Column = NDArray[np.float64]
 
 _HOUR, _DAY = 3600.0, 86400.0

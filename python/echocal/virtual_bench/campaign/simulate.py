@@ -19,8 +19,6 @@ from echocal.virtual_bench.waveform.possible import check_seed
 from echocal.virtual_bench.waveform.scene import Scene
 from echocal.virtual_bench.waveform.sensor import Sensor
 
-__all__ = ["Simulation", "offers", "scene_of", "simulate"]
-
 Column = NDArray[np.float64]
 
 _MICRO, _PERCENT, _SUPPLY = 1e6, 100.0, 5.0

@@ -13,8 +13,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from echocal.virtual_bench.waveform.possible import Limits, check
 
-__all__ = ["BurstResponse", "Resonance"]
-
 Column = NDArray[np.float64]
 Phasor = NDArray[np.complex128]
 

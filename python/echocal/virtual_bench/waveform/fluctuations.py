@@ -6,8 +6,6 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import lfilter
 
-__all__ = ["INDOORS", "OUTDOORS", "Turbulence", "remembering"]
-
 Column = NDArray[np.float64]
 
 

@@ -7,8 +7,6 @@ from numpy.typing import ArrayLike
 
 from echocal.errors import UsageError
 
-__all__ = ["Limits", "check", "check_length", "check_seed"]
-
 
 @dataclass(frozen=True)
 class Limits:

@@ -10,8 +10,6 @@ from scipy.signal import lfilter
 from echocal.virtual_bench.waveform.burst import BurstResponse
 from echocal.virtual_bench.waveform.sensor import Comparator, Sensor
 
-__all__ = ["HEARD", "Noise", "NoiseAlone", "Received", "first_crossing"]
-
 Labels = NDArray[np.int64]
 
 _SLACK = 0.85  # of the threshold: the height of a crest is known to 2 % before it is looked at closely

@@ -12,8 +12,6 @@ from echocal.virtual_bench.waveform.possible import Limits, check, check_length
 from echocal.virtual_bench.waveform.sensor import Sensor
 from echocal.virtual_bench.waveform.target import Target, aperture, directivity, echo_of
 
-__all__ = ["Scene"]
-
 Column = NDArray[np.float64]
 Phasor = NDArray[np.complex128]
 Value = float | Column

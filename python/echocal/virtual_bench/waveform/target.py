@@ -9,8 +9,6 @@ from scipy.special import fresnel, j1
 
 from echocal.virtual_bench.waveform.possible import Limits, check
 
-__all__ = ["Target", "aperture", "directivity", "echo_of"]
-
 Column = NDArray[np.float64]
 Phasor = NDArray[np.complex128]
 

@@ -6,8 +6,6 @@ import pandas as pd
 from echocal.errors import UsageError
 from echocal.virtual_bench.campaign.campaign import Campaign, cause
 
-__all__ = ["device"]
-
 _CENTIMETERS = 100.0
 
 
