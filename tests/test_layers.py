@@ -14,7 +14,7 @@ ROOT = Path(__file__).parents[1]
 PACKAGE = ROOT / "python" / "echocal"
 
 LAYERS = (
-    {"_core", "_interrupt", "_verb", "errors", "keywords", "shown"},
+    {"_core", "_interrupt", "_verb", "arrays", "errors", "keywords", "shown"},
     {"codes", "reserved", "concise", "outputs", "checksums", "objects"},
     {"places", "sensors", "thermistor", "time_outs"},
     {"quantities"},

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from echocal.arrays import Column
 from echocal.budget.coverage import COVERAGE, conformity_probability, coverage_factor, decided
 from echocal.budget.entries import Entry, Itemized, itemized
 from echocal.budget.sources import LAW, TAPE
@@ -15,8 +16,6 @@ from echocal.observations import Observations
 from echocal.observations.at import uncertain
 from echocal.observations.echoes import DEFAULT_SPEED
 from echocal.quantities import FROM_THERMOMETERS
-
-Column = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -7,10 +7,9 @@ from numbers import Real
 import numpy as np
 from numpy.typing import NDArray
 
+from echocal.arrays import Column
 from echocal.errors import UsageError
 from echocal.keywords import keyword
-
-Column = NDArray[np.float64]
 
 COVERAGE = 0.9545
 """Coverage probability that gives k = 2 for a normal distribution."""

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from echocal._core import speed_of_sound
+from echocal.arrays import Column
 from echocal.budget.sources import ECHOES, LAW, TAPE, Source, of_law
 from echocal.budget.stated import Uncertainties
 from echocal.errors import DataError, DomainWarning
@@ -25,10 +26,6 @@ from echocal.observations.correction import base_indication, corrected_distance
 from echocal.quantities import DEFAULTS, FROM_THERMOMETERS, QUANTITIES
 from echocal.registry import find_effect
 
-Column = NDArray[np.float64]
-
-OWN = ("parameters", "shape", "residual")
-"""Groups of entries that the model itself brings; entries that a user states have the group ``stated``."""
 _CRAMER = 300e-6
 """Cramer 1993, doi:10.1121/1.405827: 300 ppm."""
 _VIRIAL = 110e-6

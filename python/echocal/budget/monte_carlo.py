@@ -5,8 +5,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from echocal.arrays import Column
 from echocal.budget.entries import Entry, Itemized, conditions_of, values_of
 from echocal.budget.sources import ECHOES
 from echocal.errors import DomainWarning, ModelError
@@ -14,7 +14,6 @@ from echocal.model import Model
 from echocal.observations import Observations
 from echocal.quantities import QUANTITIES
 
-Column = NDArray[np.float64]
 Random = np.random.Generator
 
 _AGAIN = 100  # times that parameters beyond their bounds are drawn again

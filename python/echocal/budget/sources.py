@@ -4,11 +4,9 @@ from dataclasses import dataclass
 from math import inf
 
 import numpy as np
-from numpy.typing import NDArray
 
+from echocal.arrays import Column
 from echocal.budget.instruments import TAPES, Limits
-
-Column = NDArray[np.float64]
 
 ECHOES = ("echo_time", "reading")
 LAW = "speed_of_sound"

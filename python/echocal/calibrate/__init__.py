@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from echocal._verb import callable_as
-from echocal.calibrate.problem import LOSSES, Column, Columns, Form, Parameter, Problem, solve
+from echocal.arrays import Column
+from echocal.calibrate.problem import LOSSES, Columns, Form, Parameter, Problem, solve
 from echocal.calibrate.regression import Chain, Regression
 from echocal.calibrate.result import Calibration, Estimate, Prediction
 from echocal.errors import DataError, UsageError
@@ -150,7 +151,7 @@ def calibrate(
     return found
 
 
-def _step(observations: Observations, distance: NDArray[np.float64]) -> float:
+def _step(observations: Observations, distance: Column) -> float:
     """Step of the readings, or of the echo times as a distance [m]; 0 where they have none."""
     values = observations.echo_time if observations.reading is None else observations.reading
     grid = find_grid(values[observations.usable])
@@ -186,7 +187,7 @@ def _bounded(parameters: Sequence[Parameter], bounds: Mapping[str, tuple[float, 
 def _sigma(given: ArrayLike | None, rows: int) -> Column | None:
     if given is None:
         return None
-    sigma: NDArray[np.float64] = np.asarray(given, dtype=np.float64)
+    sigma: Column = np.asarray(given, dtype=np.float64)
     if sigma.shape not in ((), (rows,)) or not np.all(sigma > 0.0):
         got = f"{float(sigma):g}" if sigma.ndim == 0 else f"shape {sigma.shape}"
         message = f"standard_uncertainty wants one positive number or {rows} of them; got {got}"

@@ -4,10 +4,10 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from echocal import _core
-from echocal.calibrate.problem import Column, Columns, Parameter
+from echocal.arrays import Column
+from echocal.calibrate.problem import Columns, Matrix, Parameter
 from echocal.conditions import columns as broadcast
 from echocal.errors import DataError, UsageError, among
 from echocal.model import Model
@@ -134,7 +134,7 @@ class Regression:
         names = {name for term in self.terms for name, _ in _factors(term)}
         return {name: _column(observations, name) for name in sorted(names)}
 
-    def evaluate(self, values: Column, columns: Columns) -> tuple[Column, NDArray[np.float64]]:
+    def evaluate(self, values: Column, columns: Columns) -> tuple[Column, Matrix]:
         """Return the prediction and its derivatives, which are the terms themselves."""
         columns = {name: np.asarray(column, dtype=np.float64) for name, column in columns.items()}
         shape = np.broadcast_shapes(*(column.shape for column in columns.values()))
@@ -149,7 +149,7 @@ class Regression:
         jacobian = np.stack(products, axis=-1)
         return jacobian @ values, jacobian
 
-    def fitted(self, values: Column, covariance: NDArray[np.float64]) -> "Regression":
+    def fitted(self, values: Column, covariance: Matrix) -> "Regression":
         """Return the regression with these coefficients."""
         return replace(self, values=tuple(values.tolist()))
 
@@ -233,7 +233,7 @@ class Chain:
         names = list(observations.thermometers)
         return {} if len(names) != 1 else dict.fromkeys(FROM_THERMOMETERS, names[0])
 
-    def evaluate(self, values: Column, columns: Columns) -> tuple[Column, NDArray[np.float64]]:
+    def evaluate(self, values: Column, columns: Columns) -> tuple[Column, Matrix]:
         """Return the indication [m] and the core's exact derivatives."""
         effects = [(id_, list(own.items())) for id_, own in self._effects(values).items()]
         core = _core.Model(self.model.law, effects)
@@ -242,7 +242,7 @@ class Chain:
         derivatives = core.jacobian(distance, rest)[:, self._picked]
         return core.indicate(distance, rest).reshape(shape), derivatives.reshape(*shape, -1)
 
-    def fitted(self, values: Column, covariance: NDArray[np.float64]) -> Model:
+    def fitted(self, values: Column, covariance: Matrix) -> Model:
         """Return the model with these values and their covariance; coefficients go into the law."""
         effects = self._effects(values)
         moved = {name: float(value) for name, value in zip(self.names, values, strict=True) if name in LAW}

@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from echocal.calibrate.problem import Column, Form, Parameter
+from echocal.arrays import Column
+from echocal.calibrate.problem import Form, Parameter
 from echocal.concise import concise
 from echocal.conditions import numbers
 from echocal.errors import DataError, UsageError

@@ -3,6 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from echocal.arrays import Column
 from echocal.charts.parts import MOST, Axis, Chart, Line, Panel, Points, Rug, evenly, span
 from echocal.diagnose import Diagnosis
 from echocal.diagnose.findings.parts import Traces
@@ -24,8 +25,6 @@ _REPEATED = 0.999  # correlation with a column that is drawn, beyond which a fur
 _FINER = 0.2  # part of the error, below which a scale of its own is needed to see it
 _MIDDLE = (0.5, 99.5)  # percentiles between which the errors are drawn
 _ROOM = 0.25
-
-Column = NDArray[np.float64]
 
 _MINUTE = 60.0  # s
 _DAY = 86400.0  # s

@@ -10,6 +10,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from echocal import _core
+from echocal.arrays import Column
 from echocal.errors import DataError, UsageError
 from echocal.model import Model
 from echocal.model.indicated_speed import speed_of
@@ -26,8 +27,6 @@ _ECHOES = ("echo_time", "reading")
 _SOURCES = {"time": "elapsed_time", "times": "elapsed_time"}  # words of `derived_from`
 NOT_CHECKED = "not checked"
 """Begin of a note on faults that a diagnosis repaired and a correction does not look for."""
-
-Column = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -9,6 +9,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from echocal.arrays import Column
 from echocal.budget.entries import some_rows
 from echocal.budget.stated import Uncertainties
 from echocal.correct.needed import Needed, is_derived, reference_of, trusted, with_marks
@@ -27,8 +28,6 @@ from echocal.observations.numbers import Missing, to_numbers
 from echocal.observations.options import ReadOptions
 from echocal.observations.part import Part
 from echocal.observations.plan import make
-
-Column = NDArray[np.float64]
 
 _NONE = "no distance fits"
 

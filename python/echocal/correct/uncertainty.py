@@ -1,15 +1,13 @@
 """Standard uncertainty of corrected distances: what the budget of `echocal.budget` combines to."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from echocal.arrays import Column
 from echocal.budget.entries import itemized
 from echocal.budget.stated import Uncertainties
 from echocal.correct.results import UNCERTAINTY
 from echocal.model import Model
 from echocal.observations import Observations
-
-Column = NDArray[np.float64]
 
 
 def standard_uncertainty(

@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
 from echocal import silicon
+from echocal.arrays import Column
 from echocal.emulation.inputs import TRUTH, Emulation, Inputs, from_ranges, from_table
 from echocal.emulation.lines import columns_of, understood
 from echocal.emulation.package import (
@@ -35,7 +35,6 @@ _OPTIONS = {"TMP36": (), "LM35": ("-DLM35",), "potentiometer": ("-DPOTENTIOMETER
 """Options of the compiler with which the sketches of this package read a part."""
 
 Progress = Callable[[int, int], object]
-Column = NDArray[np.float64]
 
 
 def emulate(

@@ -9,8 +9,8 @@ from typing import Any, cast
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
+from echocal.arrays import Column
 from echocal.errors import DataError, DataWarning, UsageError
 from echocal.firmware import Firmware
 from echocal.keywords import keyword
@@ -19,8 +19,6 @@ from echocal.observations.source import load
 from echocal.silicon import Played
 from echocal.sweep.grid import Range, axis
 from echocal.virtual_bench.echo_time import check_air, echo_time
-
-Column = NDArray[np.float64]
 
 _ASIDE = {"echo_time", "reading", "reference_distance", "temperature"}
 """Quantities of a table that the board, or the truth, states itself."""

@@ -10,13 +10,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from echocal.arrays import Column
 from echocal.diagnose.candidates.variant import UNKNOWN
 from echocal.diagnose.faults import registry as faults
 from echocal.diagnose.noises import registry as noises
 from echocal.diagnose.settings import Settings
 from echocal.fleet.verdicts import FAILED
 
-Column = NDArray[np.float64]
 Ids = tuple[str, ...]
 
 _ROUNDS = 2000  # of the expectation maximization

@@ -7,11 +7,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from echocal.arrays import Column
 from echocal.errors import DataError, ModelError
 from echocal.model.residual_uncertainty import ResidualUncertainty
 from echocal.quantities import QUANTITIES
-
-Column = NDArray[np.float64]
 
 DISTANCE = "distance"
 """Name under which a shape is a function of the true distance."""

@@ -11,6 +11,7 @@ from typing import IO
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from echocal.arrays import Column
 from echocal.errors import DataError, EchocalError, UsageError
 from echocal.silicon.arduino import SIMULATOR_WAY_OUT, Sketch, simulated_uno
 from echocal.silicon.events import CLOCK, Habit, Log, codes_of, habit_of, rows_of, told_late
@@ -18,7 +19,6 @@ from echocal.silicon.events import CLOCK, Habit, Log, codes_of, habit_of, rows_o
 SILENCE = 450e-6
 """From the end of the trigger to ECHO's rise [s]: eight periods of 40 kHz and what the module does before."""
 
-Column = NDArray[np.float64]
 Progress = Callable[[int, int], object]
 
 _PINS, _ANALOG = 20, 2

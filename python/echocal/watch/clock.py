@@ -9,8 +9,8 @@ from zoneinfo import ZoneInfo
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
+from echocal.arrays import Column
 from echocal.errors import DataError
 from echocal.keywords import keyword
 from echocal.observations.clock import YEARS, instants
@@ -22,7 +22,6 @@ from echocal.watch.settings import WatchSettings
 _STEPS = 32  # waits between rows that say what is usual
 _KEPT = 100  # times that a clock was set which are remembered
 _CALENDAR = 1e8  # s: a clock below counts from its own start, or was not set
-Column = NDArray[np.float64]
 
 _DIGITS = re.compile(r"\d+")
 _LETTERS = re.compile(r"[^\W\d_]+")

@@ -6,14 +6,12 @@ from functools import cache
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from echocal.arrays import Column
 from echocal.watch.noise import Noises, coarse, growth, learn, unlike, weights, whitened
 from echocal.watch.sequential import Onset, Onsets
 from echocal.watch.settings import WatchSettings
 from echocal.watch.threshold import slack, threshold
-
-Column = NDArray[np.float64]
 
 DAY = 86400.0
 _PLAIN = (

@@ -9,10 +9,9 @@ from scipy.linalg import cho_factor, cho_solve
 from scipy.signal import lfilter
 from scipy.stats import chi2
 
+from echocal.arrays import Column
 from echocal.observations.quantiles import MAD_TO_SD
 from echocal.watch.settings import WatchSettings
-
-Column = NDArray[np.float64]
 
 _ROUNDS = 4  # of clipping outliers and fitting again
 _GROWTHS = (0.0, 0.25, 0.5, 1.0, 2.0, 4.0, 1e3)

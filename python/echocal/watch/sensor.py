@@ -6,8 +6,8 @@ from dataclasses import dataclass, field
 from typing import Any, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from echocal.arrays import Column
 from echocal.correct.needed import context_of
 from echocal.correct.results import LEVEL, STATUS, UNCERTAINTY
 from echocal.errors import DataError
@@ -29,8 +29,6 @@ def results(first: str) -> tuple[str, str, str]:
     """Names of the columns that are appended, where the first is that of a distance or of a level."""
     return first, UNCERTAINTY, STATUS
 
-
-Column = NDArray[np.float64]
 
 _DIGITS = 9  # of a distance [m]: to a nanometer
 _WINDOW = 15.0  # s: what a rate is taken over at least, as far back as at the end of a table

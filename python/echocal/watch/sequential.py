@@ -4,9 +4,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-Column = NDArray[np.float64]
+from echocal.arrays import Column
 
 
 @dataclass(frozen=True)

@@ -4,13 +4,11 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from echocal.arrays import Column
 from echocal.errors import DataError, EchocalError, ModelError
 from echocal.model import Model
 from echocal.registry import Effect, Parameter, effects
-
-Column = NDArray[np.float64]
 
 STEP, DRIFT = "step_change", "drift"
 """Causes that need no column: the reading is off by a constant, or ever more, from the onset on."""

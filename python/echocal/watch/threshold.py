@@ -4,12 +4,11 @@ import math
 from functools import cache
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.integrate import quad
 from scipy.optimize import brentq
 from scipy.special import ndtr, ndtri
 
-Column = NDArray[np.float64]
+from echocal.arrays import Column
 
 _NODES = 201  # values of the unknown scale
 

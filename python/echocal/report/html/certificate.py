@@ -32,8 +32,6 @@ from echocal.report.budget import (
 )
 from echocal.report.html.document import rendered
 
-Column = NDArray[np.float64]
-
 _MOST = 12  # lines of results, so that they stay on their page
 _PARAMETERS = 8  # of the model, that are listed
 

@@ -4,8 +4,8 @@ import warnings
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from echocal.arrays import Column
 from echocal.diagnose import Cause, Diagnosis, diagnose
 from echocal.registry import find_effect
 from echocal.study import origin
@@ -26,8 +26,6 @@ from echocal.study.question.laws import ALL
 from echocal.study.question.measurements import Effects, Outcome, judge
 from echocal.study.question.suspects import Suspect
 from echocal.study.tables import DISTANCE, READING_SPEED, Tables
-
-Column = NDArray[np.float64]
 
 _ODD = 6.0  # degC: the row whose reading is that of 4 degC
 _UNTOUCHED = "pulse_in"

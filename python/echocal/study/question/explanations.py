@@ -5,14 +5,12 @@ from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import logsumexp
 
+from echocal.arrays import Column
 from echocal.study.question.investigation import Readings
 from echocal.study.question.suspects import Suspect
 from echocal.study.tables import Table
-
-Column = NDArray[np.float64]
 
 _GRID = 201  # sizes that are tried over a range; their posterior is some 10 of them wide
 _SCATTERS = "setting"  # place of what scatters the rows and moves them in no direction

@@ -11,9 +11,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from echocal import silicon
+from echocal.arrays import Column
 from echocal.errors import DataError
 from echocal.keywords import command_line
 from echocal.study.question import scenes
@@ -21,7 +21,6 @@ from echocal.study.question.laws import ALL, suspect
 from echocal.study.question.suspects import Suspect
 from echocal.study.tables import DISTANCE, Tables
 
-Column = NDArray[np.float64]
 Progress = Callable[[int, int], object]
 
 SCHEMA = "echocal.study_question/1"

@@ -4,12 +4,10 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from echocal.arrays import Column
 from echocal.study.question.explanations import Explanation, Pattern
 from echocal.study.question.suspects import Suspect
-
-Column = NDArray[np.float64]
 
 _READINGS = 10
 _LABEL = 1.0  # mm: judgement, what a label or the coordinates of a drawing tell of the target

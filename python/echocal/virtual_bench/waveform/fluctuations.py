@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import lfilter
 
-Column = NDArray[np.float64]
+from echocal.arrays import Column
 
 
 def remembering(seconds: Column, time_constant: float, random: np.random.Generator) -> Column:
