@@ -66,11 +66,12 @@ def understood(played: Played, columns: Mapping[str, str]) -> pd.DataFrame:
             "one line for each measurement"
         )
         raise DataError(message)
+    humidity = found.conditions.get("relative_humidity")
     told = {
         "echo_us": found.echo_time * 1e6 if "echo_time" in found.source_names else None,
         "reading_m": found.reading,
         "temperature_C": found.conditions.get("temperature"),
-        "humidity_percent": _percent(found.conditions.get("relative_humidity")),
+        "humidity_percent": None if humidity is None else 100.0 * humidity,
     }
     kept = {name: np.round(values, 9) for name, values in told.items() if values is not None}
     return pd.DataFrame(kept)
@@ -83,10 +84,6 @@ def _shown(line: str) -> str:
 
 def _cut(line: str) -> str:
     return line if len(line) <= _SHOWN else f"{line[:_SHOWN]}..."
-
-
-def _percent(share: np.ndarray | None) -> np.ndarray | None:
-    return None if share is None else 100.0 * share
 
 
 def _header(played: Played, first: str) -> list[str]:

@@ -168,7 +168,7 @@ def diagnose_fleet(
     }
     checked = Settings.of(settings)
     with tempfile.TemporaryDirectory(prefix="echocal-") as scratch:
-        store = Store(Path(scratch) if out is None else _beside(Path(out)))
+        store = Store(Path(scratch) if out is None else Path(f"{Path(out)}.parts"))
         with store.locked():
             store.begin(_state(asked, files.sources, index.sensors, memory), force)
             job = {**asked, "store": str(store.folder.resolve()), "run": file_digest(store.job)}
@@ -308,7 +308,3 @@ def _state(
 
 def _folder(path: str | Path | None) -> str | None:
     return None if path is None else str(Path(path).resolve())
-
-
-def _beside(out: Path) -> Path:
-    return out.with_name(f"{out.name}.parts")

@@ -7,7 +7,7 @@ import os
 import re
 import secrets
 import shutil
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -167,7 +167,8 @@ def write_units(
     numbers = _numbers(files)
     _refuse_target(target, folder)
     rows = []
-    box = None if model is None else _box(model, per_unit)
+    effects = per_unit or [parameter.effect for parameter in PARAMETERS]
+    box = None if model is None else Box.around(model, effects)
     unfinished = target.with_name(f".{target.name}.{secrets.token_hex(8)}.unfinished")
     with writing(target):
         unfinished.mkdir(parents=True)
@@ -188,10 +189,6 @@ def write_units(
             shutil.rmtree(unfinished, ignore_errors=True)
     refused = {str(row["file"]): str(row["status"]) for row in rows if row["block"] == ""}
     return Written(target, len(rows) - len(refused), refused)
-
-
-def _box(model: Model, per_unit: Iterable[str] | Mapping[str, tuple[float, float]]) -> Box:
-    return Box.around(model, per_unit or [parameter.effect for parameter in PARAMETERS])
 
 
 def _read(file: Path, number: int) -> tuple[dict[str, object], Model | None]:
@@ -255,17 +252,13 @@ def _refuse_target(target: Path, units: Path) -> None:
     if not target.is_dir():
         message = f"{target} is no folder; choose another name"
         raise UsageError(message)
-    others = sorted(set(_found(target)) - set(_known(target)))
+    others = sorted({path.name for path in target.iterdir()} - set(_known(target)))
     if others:
         message = (
             f"{target} has {others[0]}, which no earlier run made, and the folder is replaced as a whole: "
             "choose another folder, or move that file"
         )
         raise UsageError(message)
-
-
-def _found(folder: Path) -> Iterator[str]:
-    return (path.name for path in folder.iterdir())
 
 
 def _known(folder: Path) -> list[str]:

@@ -303,7 +303,7 @@ def with_prototypes(text: str, path: str) -> str:
     """
     code = _NO_CODE.sub(lambda match: re.sub(r"[^\n]", " ", match[0]), text)
     defined = [match for match in _DEFINED.finditer(_outermost(code)) if _declarable(match["head"])]
-    found = [match for match in defined if _is_called(match["name"], code[: match.start()])]
+    found = [match for match in defined if re.search(rf"\b{match['name']}\s*\(", code[: match.start()])]
     quoted = path.replace("\\", "\\\\").replace('"', '\\"')
     start = f'#include <Arduino.h>\n#line 1 "{quoted}"\n'
     if not found:
@@ -312,10 +312,6 @@ def with_prototypes(text: str, path: str) -> str:
     declared = "".join(f"{' '.join(match['head'].split())};\n" for match in found)
     number = text.count("\n", 0, place) + 1
     return f'{start}{text[:place]}{declared}#line {number} "{quoted}"\n{text[place:]}'
-
-
-def _is_called(name: str, above: str) -> bool:
-    return re.search(rf"\b{name}\s*\(", above) is not None
 
 
 def _declarable(head: str) -> bool:

@@ -124,10 +124,9 @@ class Files:
         if self.path.is_file():
             return [self.path]
         found = (file for file in self.path.rglob("*") if file.suffix.lower() in _TEXTS and file.is_file())
-        return sorted(file for file in found if not any(part[0] in "._" for part in self._inside(file)))
-
-    def _inside(self, file: Path) -> tuple[str, ...]:
-        return file.relative_to(self.path).parts
+        return sorted(
+            file for file in found if not any(part[0] in "._" for part in file.relative_to(self.path).parts)
+        )
 
     def _news(self, file: Path) -> Iterator[Batch]:
         key = str(file.resolve())

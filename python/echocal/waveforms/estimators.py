@@ -209,7 +209,8 @@ class Rise:
 def envelope(request: Request, found: Detection) -> Estimate:
     """Time echoes by the analytic signal behind the band-pass, less the delay of the template's own rise."""
     rise = rise_of(request, found)
-    time = rise.time - _delay(request)
+    own = float(rise_of(request, request.reference).time[0])
+    time = rise.time - (own - request.reference_time)
     uncertainty = spread_of(request, found, rise)
     with np.errstate(invalid="ignore", divide="ignore"):
         ambiguity = erfc(0.5 * request.period / (np.sqrt(2.0) * uncertainty))
@@ -230,10 +231,6 @@ def spread_of(request: Request, found: Detection, rise: Rise) -> Real:
         return np.asarray(
             noise * np.sqrt(1.0 + FRACTION**2 - 2.0 * FRACTION * together) / np.maximum(rise.slope, 0.0)
         )
-
-
-def _delay(request: Request) -> float:
-    return float(rise_of(request, request.reference).time[0]) - request.reference_time
 
 
 def rise_of(request: Request, found: Detection) -> Rise:
