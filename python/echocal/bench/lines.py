@@ -27,27 +27,12 @@ def block(line: Callable[[], str], cut: Callable[[str], None]) -> list[str]:
 class Port:
     """A serial port, by the library pyserial.
 
-    Parameters
-    ----------
-    name : str
-        ``/dev/ttyUSB0``, ``COM3``, or an address as pyserial has them.
-    rate : int
-        Bits per second.
-    wait : float
-        Longest wait for a line [s].
+    Its `name` is ``/dev/ttyUSB0``, ``COM3``, or an address as pyserial has them; `rate` is in bits per
+    second, and `wait` is the longest wait for a line [s]. `first` has the lines that came first, in which a
+    program tells the names of its columns. They are no readings: nobody knows where the target was.
 
-    Attributes
-    ----------
-    first : list of str
-        The lines that came first, in which a program tells the names of its columns. They are no readings,
-        because nobody knows where the target was.
-
-    Raises
-    ------
-    UsageError
-        If the library is absent.
-    DataError
-        If the port cannot be opened, or no line comes.
+    Raises `UsageError` if the library is absent, and `DataError` if the port cannot be opened, or no line
+    comes.
     """
 
     def __init__(self, name: str, rate: int, wait: float = _SILENCE) -> None:

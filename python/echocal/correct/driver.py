@@ -25,17 +25,7 @@ _STRAY = re.compile(r"\..+\.[0-9a-f]{16}\.unfinished")
 
 @dataclass
 class Progress:
-    """How far a run is.
-
-    Attributes
-    ----------
-    files, of_files : int
-        Files done, and all that have to be done.
-    bytes, of_bytes : int
-        The same in bytes of the inputs.
-    rows : int
-        Rows done.
-    """
+    """How far a run is: what is done, and of how much, in files and in bytes of the inputs."""
 
     of_files: int = 0
     of_bytes: int = 0

@@ -157,13 +157,8 @@ def correct_rows(
 def whole_log(table: pd.DataFrame, model: Model, needed: Needed, reading: Reading) -> tuple[Part, Column]:
     """What the parts of a table need to know of the whole: its start and its derived quantities.
 
+    Returns also the seconds since the start, shape (n,), NaN where a row has no time or the table has none.
     Raises `DataError` if the table cannot be read as a whole.
-
-    Returns
-    -------
-    part : Part
-    elapsed : ndarray, shape (n,)
-        Seconds since the start; NaN where a row has no time, or the table has none.
     """
     observations, assembly = _observed(table, model, needed, reading, None)
     derived = {name: values for name, values in observations.conditions.items() if is_derived(name)}

@@ -35,13 +35,7 @@ def polars() -> Any:
 
 
 class Opened:
-    """A file whose columns are known, and can be read.
-
-    Attributes
-    ----------
-    path : Path
-    schema : mapping of str to polars.DataType
-    """
+    """A file whose columns are known, with their types in polars, and can be read."""
 
     def __init__(self, path: Path, lazy: Any, schema: Any) -> None:
         self.path, self._lazy, self.schema = path, lazy, schema

@@ -72,34 +72,15 @@ class Batch:
 class Parser:
     """From the bytes of one source to rows: JSON where a line begins with a brace, else below a header.
 
-    Parameters
-    ----------
-    source : str
-        File or stream.
-    layout : Layout
-        How its text is written.
-    only_json : bool
-        Whether every line is JSON.
-    kept : mapping, optional
-        What `to_dict` gave.
-
-    Attributes
-    ----------
-    line : int
-        Lines that were taken.
+    The `source` is the name of the file or stream; `line` is the number of lines that were taken. With
+    `only_json` every line is JSON; `kept` is what `to_dict` gave.
     """
 
     def __init__(
         self, source: str, layout: Layout, *, only_json: bool = False, kept: Mapping[str, Any] | None = None
     ) -> None:
         self._source, self._layout, self._only_json = source, layout, only_json
-        new: dict[str, Any] = {
-            "encoding": "",
-            "sure": False,
-            "decimal": layout.decimal or "",
-            "line": 0,
-            "head": None,
-        }
+        new = {"encoding": "", "sure": False, "decimal": layout.decimal or "", "line": 0, "head": None}
         plain: Mapping[str, Any] = kept or new
         self._encoding, self._sure = str(plain["encoding"]), bool(plain["sure"])
         self._decimal, self.line = str(plain["decimal"]), int(plain["line"])

@@ -1,6 +1,7 @@
 """The diagnosis of the rows since a change."""
 
 import warnings
+from dataclasses import asdict
 from typing import Any
 
 import pandas as pd
@@ -51,15 +52,7 @@ def _event(sensor: Sensor, found: Diagnosis, since: str | float | None, last: Wa
             "kind": cause.kind,
             "probability": cause.probability,
             "indistinguishable_from": list(cause.indistinguishable_from),
-            "parameters": [
-                {
-                    "name": p.name,
-                    "value": p.value,
-                    "standard_uncertainty": p.standard_uncertainty,
-                    "unit": p.unit,
-                }
-                for p in cause.parameters
-            ],
+            "parameters": [asdict(p) for p in cause.parameters],
         }
         for cause in found.causes
     ]

@@ -76,12 +76,7 @@ def pieces_of(footer: f.Footer, most: int) -> list[Piece]:
 class Parquet:
     """A Parquet file that is corrected, in pieces that are small enough for the memory.
 
-    Raises `DataError` if it is damaged.
-
-    Parameters
-    ----------
-    whole : bool
-        Whether all columns of a piece are held at a time.
+    Raises `DataError` if it is damaged. With `whole`, all columns of a piece are held at a time.
     """
 
     def __init__(self, path: Path, job: Job, *, whole: bool = False) -> None:

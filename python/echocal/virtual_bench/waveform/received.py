@@ -87,10 +87,7 @@ class Noise:
 class NoiseAlone:
     """When the noise crosses the threshold where nobody searches: seldom, and at random.
 
-    Attributes
-    ----------
-    time : ndarray, shape (n,)
-        Of the first such crossing [s]; NaN: none before the time-out.
+    The first such crossing is at `time`, shape (n,) [s]; NaN: none before the time-out.
     """
 
     def __init__(self, sensor: Sensor, count: int, random: np.random.Generator) -> None:
