@@ -45,8 +45,7 @@ class Port:
         try:
             self._port: Any = serial.serial_for_url(name, baudrate=rate, timeout=wait)
         except (OSError, ValueError) as error:  # pyserial's own errors are OSErrors
-            message = f"the port {name} cannot be opened: {error}"
-            raise DataError(message) from None
+            raise DataError(f"the port {name} cannot be opened: {error}") from None
         self.first = [line for line, _ in zip(self._lines(), range(_FIRST), strict=False)]
 
     def take(self, count: int) -> list[str]:
@@ -72,12 +71,10 @@ class Port:
         try:
             line = self._port.readline()
         except OSError as error:
-            message = f"the port {self.name} does not answer any more: {error}"
-            raise DataError(message) from None
+            raise DataError(f"the port {self.name} does not answer any more: {error}") from None
         if not line.endswith(b"\n"):
-            message = (
+            raise DataError(
                 f"no line came from {self.name} in {self.wait:g} s at {self.rate} baud: does the sketch "
                 "print lines, and at this rate?"
             )
-            raise DataError(message)
         return str(line.decode("utf-8", errors="replace")).strip()

@@ -101,8 +101,7 @@ def budget(
         model = Model(str(model))
     probability = checked_coverage(coverage)
     if isinstance(trials, bool) or not isinstance(trials, int | np.integer) or trials < 0 or trials == 1:
-        message = f"{keyword('trials', trials)} is no number of draws; give 0 for none, or 2 or more"
-        raise UsageError(message)
+        raise UsageError(f"{keyword('trials', trials)} is no number of draws; give 0 for none, or 2 or more")
     if observations is None:
         rows = observations_of(model, given)
     else:
@@ -116,8 +115,7 @@ def budget(
     stated = complete(model, uncertainties, uncertain(rows))
     found = itemized(rows, model, distance, stated)
     if not found.entries:
-        message = f"nothing is known of any uncertainty; state some with {keyword('uncertainties')}"
-        raise DataError(message)
+        raise DataError(f"nothing is known of any uncertainty; state some with {keyword('uncertainties')}")
     found.refuse_unknown(distance)
     places = _places(distance, found.standard_uncertainty) if trials else np.zeros(0, dtype=np.int64)
     drawn = None
@@ -222,16 +220,13 @@ def observations_of(model: Model, given: dict[str, Any]) -> Observations:
     known = ("distance", *QUANTITIES)
     for name in given:
         if name not in known:
-            message = f"{keyword(name)}: no such condition{among(name, known, 'there are')}"
-            raise UsageError(message)
+            raise UsageError(f"{keyword(name)}: no such condition{among(name, known, 'there are')}")
     if "distance" not in given:
-        message = f"give readings, or the distances of a grid: {keyword('distance', 2)}"
-        raise UsageError(message)
+        raise UsageError(f"give readings, or the distances of a grid: {keyword('distance', 2)}")
     axes = {name: np.atleast_1d(axis(name, own)) for name, own in given.items()}
     count = np.prod([float(len(values)) for values in axes.values()])
     if count > _LARGEST:
-        message = f"{count:.0f} combinations are more than {_LARGEST}; take larger steps"
-        raise UsageError(message)
+        raise UsageError(f"{count:.0f} combinations are more than {_LARGEST}; take larger steps")
     grid = dict(zip(axes, map(np.ravel, np.meshgrid(*axes.values(), indexing="ij")), strict=True))
     distance = grid.pop("distance")
     indication = np.asarray(model.indicate(distance, **grid))

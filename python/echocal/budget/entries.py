@@ -131,11 +131,10 @@ class Itemized:
             lost = np.isfinite(distance) & np.isnan(entry.standard_uncertainty)
             if lost.any():
                 quantity, first = entry.quantity.replace("_", " "), int(np.argmax(lost)) + 1
-                message = (
+                raise DataError(
                     f"{entry.words}: the {quantity} is outside of the range that they are stated for in "
                     f"{int(lost.sum())} rows, first in row {first}; state it as a number"
                 )
-                raise DataError(message)
 
     def rows(self, places: NDArray[np.int64]) -> "Itemized":
         """The budgets of some rows."""

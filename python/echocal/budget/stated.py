@@ -56,15 +56,13 @@ class Uncertainties:
         for name, value in pairs:
             if name in _OTHERS:
                 if name in instruments:
-                    message = f"{keyword('uncertainties')} states {name} twice; state it once"
-                    raise UsageError(message)
+                    raise UsageError(f"{keyword('uncertainties')} states {name} twice; state it once")
                 instruments[name] = _known(name, value)
                 continue
             quantity, size = _number(name, value)
             if quantity in stated:
                 twice = quantity.replace("_", " ")
-                message = f"{keyword('uncertainties')} states {twice} twice; state it once"
-                raise UsageError(message)
+                raise UsageError(f"{keyword('uncertainties')} states {twice} twice; state it once")
             stated[quantity] = size
         _refuse_twice(stated, instruments)
         return cls(stated, instruments)
@@ -123,11 +121,10 @@ def _refuse_twice(stated: Mapping[str, float], instruments: Mapping[str, str]) -
     for name, value in instruments.items():
         own, what = f"{name}={value}", _limited(name, value)
         if what and told.setdefault(what, own) != own:
-            message = (
+            raise UsageError(
                 f"{keyword('uncertainties')} has the error of the {what.replace('_', ' ')} twice, by "
                 f"{told[what]} and by {own}, and both would count; leave one of them out"
             )
-            raise UsageError(message)
 
 
 def _limited(name: str, value: str) -> str:
@@ -148,12 +145,10 @@ def _known(name: str, value: Any) -> str:
                 return text
         except ValueError:
             pass
-        message = f"{stating} is no size; give a number >= 0"
-        raise UsageError(message)
+        raise UsageError(f"{stating} is no size; give a number >= 0")
     found = {own.upper(): own for own in names}.get(text.upper())
     if found is None:
-        message = f"{stating}: no such {name}{among(text.upper(), list(names), 'there are')}"
-        raise UsageError(message)
+        raise UsageError(f"{stating}: no such {name}{among(text.upper(), list(names), 'there are')}")
     return found
 
 
@@ -164,8 +159,7 @@ def _number(name: str, value: Any) -> tuple[str, float]:
     ]
     if name not in names:
         known = among(name, [*_OTHERS, *names], "there are")
-        message = f"{keyword('uncertainties', {name: value})} names no quantity with its unit{known}"
-        raise UsageError(message)
+        raise UsageError(f"{keyword('uncertainties', {name: value})} names no quantity with its unit{known}")
     form, symbol = NAMES[name]
     unit = form.units[symbol]
     stating = keyword("uncertainties", {name: value})
@@ -174,8 +168,7 @@ def _number(name: str, value: Any) -> tuple[str, float]:
     except ValueError:
         raise _no_pair(f"{name}={value}") from None
     if not 0.0 <= size < np.inf:
-        message = f"{stating} is no standard uncertainty; give a number >= 0"
-        raise UsageError(message)
+        raise UsageError(f"{stating} is no standard uncertainty; give a number >= 0")
     return form.quantity, size
 
 

@@ -97,11 +97,9 @@ def calibrate(
     form = _form(model, fit)
     observations = observed(observations, calibrate, table, model.law if isinstance(model, Model) else "")
     if loss not in LOSSES:
-        message = f"unknown loss '{loss}'; known: {', '.join(LOSSES)}"
-        raise UsageError(message)
+        raise UsageError(f"unknown loss '{loss}'; known: {', '.join(LOSSES)}")
     if loss_scale is not None and not 0.0 < loss_scale < np.inf:
-        message = f"loss_scale must be finite and above 0, but is {loss_scale:g}"
-        raise UsageError(message)
+        raise UsageError(f"loss_scale must be finite and above 0, but is {loss_scale:g}")
     parameters = _bounded(form.parameters, bounds or {})
     used = observations.usable
     sigma = _sigma(standard_uncertainty, len(observations))
@@ -164,12 +162,10 @@ def _form(model: Model | Form, fit: Sequence[str] | None) -> Form:
             message = f"calibrate begins with a Model, got {model!r}; Model('cramer'), or Model.load(path)"
             raise UsageError(message)
         if fit is not None:
-            message = "fit= names parameters of a physical model; this form fits all of its own"
-            raise UsageError(message)
+            raise UsageError("fit= names parameters of a physical model; this form fits all of its own")
         return model
     if fit is None or isinstance(fit, str):
-        message = f"say what to fit as a list, e.g. fit=['zero_error.offset']; got {fit!r}"
-        raise UsageError(message)
+        raise UsageError(f"say what to fit as a list, e.g. fit=['zero_error.offset']; got {fit!r}")
     return Chain(model, fit)
 
 
@@ -177,10 +173,9 @@ def _bounded(parameters: Sequence[Parameter], bounds: Mapping[str, tuple[float, 
     names = [parameter.name for parameter in parameters]
     for name, (low, high) in bounds.items():
         if name not in names or not low < high:
-            message = (
+            raise UsageError(
                 f"bounds of '{name}' ({low:g}, {high:g}): want low < high, for one of {', '.join(names)}"
             )
-            raise UsageError(message)
     return [replace(p, bounds=bounds.get(p.name, p.bounds)) for p in parameters]
 
 
@@ -190,16 +185,14 @@ def _sigma(given: ArrayLike | None, rows: int) -> Column | None:
     sigma: Column = np.asarray(given, dtype=np.float64)
     if sigma.shape not in ((), (rows,)) or not np.all(sigma > 0.0):
         got = f"{float(sigma):g}" if sigma.ndim == 0 else f"shape {sigma.shape}"
-        message = f"standard_uncertainty wants one positive number or {rows} of them; got {got}"
-        raise UsageError(message)
+        raise UsageError(f"standard_uncertainty wants one positive number or {rows} of them; got {got}")
     return np.broadcast_to(sigma, (rows,))
 
 
 def _require_rows(rows: int, parameters: int, *, known: bool) -> None:
     enough = parameters if known else parameters + 1
     if rows < enough:
-        message = f"{parameters} parameters need at least {enough} usable rows; the data has {rows}"
-        raise DataError(message)
+        raise DataError(f"{parameters} parameters need at least {enough} usable rows; the data has {rows}")
 
 
 def _require_numbers(columns: Columns, used: NDArray[np.bool_]) -> None:

@@ -295,8 +295,7 @@ def _require_rank(matrix: Matrix, parameters: Sequence[Parameter]) -> None:
     if singular[-1] > max(matrix.shape) * np.finfo(float).eps * singular[0]:
         return
     together = [name for name, part in zip(names, axes[-1], strict=True) if abs(part) > 0.05]
-    message = (
+    raise ModelError(
         f"cannot identify {' and '.join(together)}: on these rows they act alike; fit one of them, "
         "or measure at more distances or under other conditions"
     )
-    raise ModelError(message)

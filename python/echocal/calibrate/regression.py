@@ -66,8 +66,7 @@ class Regression:
     def __post_init__(self) -> None:
         repeated = {term for term in self.terms if list(self.terms).count(term) > 1}
         if not self.terms or repeated:
-            message = f"a regression needs distinct terms; got {list(self.terms)}"
-            raise UsageError(message)
+            raise UsageError(f"a regression needs distinct terms; got {list(self.terms)}")
 
     @classmethod
     def polynomial(
@@ -87,8 +86,7 @@ class Regression:
             Law that turns echoes into indications.
         """
         if not isinstance(degree, int) or degree < 0:
-            message = f"degree is {degree!r}; give a whole number of 0 or more"
-            raise UsageError(message)
+            raise UsageError(f"degree is {degree!r}; give a whole number of 0 or more")
         powers = [column if power == 1 else f"{column}^{power}" for power in range(1, degree + 1)]
         return cls(("1", *powers), response, law)
 
@@ -175,8 +173,7 @@ def _column(observations: Observations, name: str) -> Column:
     if observations.reference_distance is not None:
         known["distance"] = observations.reference_distance
     if name not in known:
-        message = f"the table has no column '{name}'{among(name, known)}"
-        raise DataError(message)
+        raise DataError(f"the table has no column '{name}'{among(name, known)}")
     return known[name]
 
 
@@ -197,8 +194,7 @@ class Chain:
         self.model = model
         self.names = [name for request in fit for name in _expand(request)]
         if not self.names or len(set(self.names)) < len(self.names):
-            message = f"fit needs distinct parameters, e.g. ['zero_error.offset']; got {self.names}"
-            raise UsageError(message)
+            raise UsageError(f"fit needs distinct parameters, e.g. ['zero_error.offset']; got {self.names}")
         self._law = self._coefficients() if LAW.keys() & set(self.names) else {}
         self._keys = [LAW.get(name, tuple(name.split("."))) for name in self.names]
         self.parameters = [self._parameter(name) for name in self.names]
@@ -216,8 +212,7 @@ class Chain:
         """Return the reference distance and the recorded conditions, checked against the model."""
         distance = observations.reference_distance
         if distance is None:
-            message = "calibration needs a reference distance; add a column distance_m, _cm or _mm"
-            raise DataError(message)
+            raise DataError("calibration needs a reference distance; add a column distance_m, _cm or _mm")
         used = observations.usable
         self._columns = {**self._only_thermometer(observations), **self._columns}
         self._extended = Model(
@@ -272,8 +267,7 @@ class Chain:
     def _parameter(self, name: str) -> Parameter:
         effect, parameter = self._keys[self.names.index(name)]
         if name in LAW and effect in self.model.effects:
-            message = f"cannot fit '{name}': the model already has {effect}, which acts alike"
-            raise UsageError(message)
+            raise UsageError(f"cannot fit '{name}': the model already has {effect}, which acts alike")
         facts = next(p for p in find_effect(effect).parameters if p.name == parameter)
         value = self.model.effects.get(effect, {}).get(parameter, facts.neutral)
         shift = self._law.get(name, 0.0)
@@ -296,6 +290,5 @@ def _expand(request: str) -> list[str]:
     id_, _, parameter = request.partition(".")
     names = list(LAW) if id_ == "law" else [f"{id_}.{facts.name}" for facts in find_effect(id_).parameters]
     if parameter and request not in names:
-        message = f"cannot fit '{request}'; {id_} has: {', '.join(names)}"
-        raise UsageError(message)
+        raise UsageError(f"cannot fit '{request}'; {id_} has: {', '.join(names)}")
     return [request] if parameter else names

@@ -142,8 +142,7 @@ class Calibration(Shown):
 
     def __getitem__(self, name: str) -> Estimate:
         if name not in self.names:
-            message = f"'{name}' was not fitted; fitted: {', '.join(self.names)}"
-            raise UsageError(message)
+            raise UsageError(f"'{name}' was not fitted; fitted: {', '.join(self.names)}")
         return list(self)[self.names.index(name)]
 
     def __iter__(self) -> Iterator[Estimate]:
@@ -207,8 +206,7 @@ class Calibration(Shown):
             broadcast = dict(zip(arrays, np.broadcast_arrays(*arrays.values()), strict=True))
         except ValueError:
             shapes = ", ".join(f"{name} {column.shape}" for name, column in arrays.items())
-            message = f"shapes do not broadcast: {shapes}"
-            raise UsageError(message) from None
+            raise UsageError(f"shapes do not broadcast: {shapes}") from None
         try:
             return self.form.evaluate(self.values, broadcast)
         except KeyError as absent:

@@ -67,8 +67,7 @@ def _fields(column: Any, name: str, pa: Any) -> Any:
     texts = column.cast(pa.string()).to_pandas().astype(object)
     far = np.flatnonzero(texts.astype(str).str.startswith("<value out of range"))
     if pa.types.is_temporal(kind) and len(far):
-        message = f"column '{name}' has a date at {row(far[0])} that no text can hold; write Parquet"
-        raise DataError(message)
+        raise DataError(f"column '{name}' has a date at {row(far[0])} that no text can hold; write Parquet")
     return texts
 
 

@@ -175,19 +175,17 @@ class Corrector:
         labels = [str(key) for key in distinct]
         self.prepare(labels)
         if self.remembers and self._job.several and self._job.logs != "file":
-            message = (
+            raise DataError(
                 f"the model of this sensor has {', '.join(self.remembers)}, which depends on the other rows "
                 f"of a log, and a log may have several files: write one folder for each sensor "
                 f"({self.by}=...), or say that each file is a whole log: {keyword('logs', 'file')}"
             )
-            raise DataError(message)
         if (self.remembers or self.rows_around) and len(labels) > 1:
-            message = (
+            raise DataError(
                 f"several sensors are in this file, and their models have "
                 f"{', '.join(self.remembers) or 'marks'}, which depends on the other rows of a log; "
                 f"write one file for each {self.by}"
             )
-            raise DataError(message)
         rows_of = np.split(np.argsort(places, kind="stable"), np.cumsum(np.bincount(places))[:-1])
         alike: dict[object, list[int]] = {}
         for place, key in enumerate(labels):

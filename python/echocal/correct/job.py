@@ -58,11 +58,10 @@ def _job(text: str, digest: str) -> Job:
     plain = json.loads(text)
     models = plain["models"]
     if models_digest(models) != digest:
-        message = (
+        raise ModelError(
             f"the models {models.get('folder', 'of the task')} are not those that the run was begun with; "
             "every process needs the same files, and they may not change while it runs"
         )
-        raise ModelError(message)
     stated = Uncertainties.from_plain(plain["reading"]["uncertainties"])
     reading = Reading(**{**plain["reading"], "uncertainties": stated})
     one = Models(from_plain(models["model"])) if "model" in models else None

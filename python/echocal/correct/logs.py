@@ -87,12 +87,11 @@ def _read_log(
         tables.append(pd.concat(pieces, ignore_index=True))
         rows += len(tables[-1])
         if rows * _BYTES_A_ROW > memory:
-            message = (
+            raise DataError(
                 f"the model has {', '.join(corrector.remembers) or 'marks'}, which depends on the other rows "
                 f"of a log, and this log has more than {memory // _BYTES_A_ROW} rows, which do not fit into "
                 f"{memory >> 20} MB; give more memory ({keyword('memory', '4GB')}), or correct shorter logs"
             )
-            raise DataError(message)
     table, context, elapsed = _joined(tables, corrector)
     ends = np.cumsum([len(own) for own in tables])
     starts = [_earliest(times) for times in np.split(elapsed, ends[:-1])]
@@ -125,12 +124,11 @@ def _refuse_overlap(files: Sequence[Path], sizes: Sequence[int], elapsed: NDArra
     for file, times in zip(files, np.split(elapsed, np.cumsum(sizes)[:-1]), strict=True):
         known = times[np.isfinite(times)]
         if len(known) and known.min() < latest:
-            message = (
+            raise DataError(
                 f"{file} begins before {before} ends, and both are one log of a model that depends on the "
                 f"other rows; if they are of different sensors, say so: {keyword('by', 'COLUMN')}, or "
                 f"{keyword('logs', 'file')}"
             )
-            raise DataError(message)
         if len(known):
             latest, before = max(latest, float(known.max())), file
 
@@ -156,8 +154,7 @@ def logs_of(
     it is not known which files are one log.
     """
     if logs not in (None, *LOGS):
-        message = f"{keyword('logs', logs)} is not one of {', '.join(LOGS)}"
-        raise UsageError(message)
+        raise UsageError(f"{keyword('logs', logs)} is not one of {', '.join(LOGS)}")
     alone: dict[str, list[Place]] = {s.place.as_posix(): [s.path] for s in inputs.files}
     if len(inputs.files) == 1 or logs == "file":
         return alone
@@ -171,21 +168,19 @@ def logs_of(
         if not depends or len(sources) < 2:
             continue
         if key is None and logs is None:
-            message = (
+            raise UsageError(
                 f"the model has {', '.join(depends)}, which depends on the other rows of a log, and there "
                 f"are {len(sources)} files; say which are one log: {keyword('logs', 'all')}, "
                 f"{keyword('logs', 'file')} "
                 f"(each by itself), or {keyword('by', 'COLUMN')} with one partition for each sensor"
             )
-            raise UsageError(message)
         ordered: list[Place] = [source.path for source in sources]
         if any(isinstance(path, Object) for path in ordered):
-            message = (
+            raise UsageError(
                 f"the model has {', '.join(depends)}, which depends on the other rows of a log, and the "
                 f"{len(ordered)} files of it are in an object store; copy them to a disk first, or write "
                 "each log into one file"
             )
-            raise UsageError(message)
         for source in sources:
             alone[source.place.as_posix()] = ordered
     return alone

@@ -117,11 +117,10 @@ class Manifest:
         done = {place: line["output"] for place in places if (line := self._done[place])["error"] is None}
         other = [place for place, own in done.items() if there.get(place) != own and self._is_other(place)]
         if other:
-            message = (
+            raise OutputError(
                 f"{self.out}: another run replaced {len(other)} of {len(done)} outputs, first {other[0]}; "
                 "run again when no other run writes there"
             )
-            raise OutputError(message)
 
     def _is_other(self, place: str) -> bool:
         target = self.out / place

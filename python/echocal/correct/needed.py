@@ -129,8 +129,7 @@ def refuse_repeated(names: Collection[str]) -> None:
     listed = list(names)
     repeated = next((name for name in listed if listed.count(name) > 1), None)
     if repeated is not None:
-        message = f"the table has more than one column '{repeated}'; rename all but one"
-        raise DataError(message)
+        raise DataError(f"the table has more than one column '{repeated}'; rename all but one")
 
 
 def trusted(trust: Collection[str], columns: Collection[str]) -> list[str]:

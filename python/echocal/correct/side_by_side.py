@@ -30,11 +30,10 @@ def rangers_of(by: str | None, models: str | Path | None) -> dict[str, Model]:
     if len(names) < 2:
         return {}
     if models is None:
-        message = (
+        raise UsageError(
             f"{keyword('by', by)} are rangers beside each other, and each is corrected by its own model: "
             f"give their folder, {keyword('models', 'DIR')}"
         )
-        raise UsageError(message)
     folder = ModelFolder(Path(models))
     found = {name: folder.model(name) for name in names}
     for name, model in found.items():
@@ -60,11 +59,10 @@ def correct_rangers(
     """
     inputs = find_inputs(str(source))
     if not inputs.single or out.suffix in ENDINGS:
-        message = (
+        raise UsageError(
             f"{keyword('by', ','.join(rangers))} are rangers beside each other in one table, and each has a "
             f"file of its own: give one table, and a folder for {keyword('out', 'DIR')}"
         )
-        raise UsageError(message)
     out.mkdir(parents=True, exist_ok=True)
     done = {}
     for name, model in rangers.items():

@@ -123,10 +123,9 @@ def correct(
     refuse_keywords(correct, options, READ_OPTIONS)
     refuse_no_model(model)
     if isinstance(table, Observations):
-        message = (
+        raise UsageError(
             "correct appends columns to a table, got Observations; give the table that they were read from"
         )
-        raise UsageError(message)
     said = {"columns": columns, "reading_speed": reading_speed, **options}
     reading = Reading.of(said, uncertainties, mark_rows)
     whole = load(table, reading.layout, sheet=reading.sheet)
@@ -168,8 +167,7 @@ def refuse_corrected(names: Collection[str]) -> None:
     if taken:
         again = taken[0] in (DISTANCE, LEVEL)
         before = "it was corrected before" if again else "a correction adds one of that name"
-        message = f"the table already has a column '{taken[0]}': {before}; rename or remove it"
-        raise DataError(message)
+        raise DataError(f"the table already has a column '{taken[0]}': {before}; rename or remove it")
 
 
 def counts(rows: Rows) -> tuple[dict[str, tuple[int, int]], dict[str, tuple[int, int]]]:

@@ -74,8 +74,7 @@ def run_task(task: Mapping[str, Any], progress: Callable[[int], None] = lambda r
             tally = _correct(source, unfinished, target.name, job, task, progress)
             digest = digesting.result()
             if stamp(place) != before:
-                message = f"{place} was written while it was read; run again when it is complete"
-                raise DataError(message)
+                raise DataError(f"{place} was written while it was read; run again when it is complete")
         result |= {
             "input": {**before, "sha256": digest},
             "output": stamp(target),
@@ -99,11 +98,10 @@ def run_task(task: Mapping[str, Any], progress: Callable[[int], None] = lambda r
 def refuse_other_version(task: Mapping[str, Any], schema: str) -> None:
     """Raise `UsageError` for a task that another version has made."""
     if task["schema"] != schema or task["version"] != __version__:
-        message = (
+        raise UsageError(
             f"the task is of echocal {task['version']} ({task['schema']}), and this process has "
             f"{__version__} ({schema}); install the same version everywhere"
         )
-        raise UsageError(message)
 
 
 def _told(error: BaseException, place: Place) -> tuple[str, str]:
@@ -191,8 +189,7 @@ def _reading() -> Iterator[None]:
     except WriteError:
         raise
     except OSError as error:
-        message = f"{error.filename or 'the file'} cannot be read: {error.strerror or error}"
-        raise DataError(message) from None
+        raise DataError(f"{error.filename or 'the file'} cannot be read: {error.strerror or error}") from None
 
 
 @contextmanager

@@ -85,8 +85,7 @@ def text_to_parquet(
             progress(len(group))
     if not tally.rows:
         names = ", ".join(tally.columns)
-        message = f"{source.path} has a header ({names}) and no rows, so its columns have no types"
-        raise DataError(message)
+        raise DataError(f"{source.path} has a header ({names}) and no rows, so its columns have no types")
     check_whole(text, tally)
     pa.default_memory_pool().release_unused()
     return tally

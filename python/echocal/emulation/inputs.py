@@ -58,8 +58,7 @@ def from_ranges(
 ) -> Inputs:
     """Return every combination of values, the last one given changing the fastest."""
     if temperature is None:
-        message = f"a temperature is needed, such as {keyword('temperature', 20)}, or a table of rows"
-        raise UsageError(message)
+        raise UsageError(f"a temperature is needed, such as {keyword('temperature', 20)}, or a table of rows")
     given = {
         "temperature": temperature,
         "distance": 2.0 if distance is None else distance,
@@ -101,8 +100,7 @@ def from_table(source: Any, columns: Mapping[str, str], detector: str, seed: int
     try:
         check_air(warm, damp, dense)
     except UsageError as error:
-        message = f"the table cannot be: {error}"
-        raise DataError(message) from None
+        raise DataError(f"the table cannot be: {error}") from None
     far = found.reference_distance
     ideal = None if far is None else echo_time(far, warm, damp, dense)
     if not timed:
@@ -135,10 +133,9 @@ def _air(found: Observations, name: str, otherwise: float | None) -> Column:
     values = found.conditions.get(name)
     if values is None:
         if otherwise is None:
-            message = (
+            raise DataError(
                 f"the table has no {name} of the air, which the thermometer of the board needs: {name}_C"
             )
-            raise DataError(message)
         return np.full(len(found), otherwise)
     _refuse_gaps(name.replace("_", " "), values)
     return values
@@ -161,10 +158,9 @@ def _refuse_none(ideal: Column, refusal: type[UsageError | DataError]) -> None:
 def _refuse_gaps(name: str, values: Column) -> None:
     gaps = np.flatnonzero(~np.isfinite(values))
     if len(gaps):
-        message = (
+        raise DataError(
             f"{name} has no value in {len(gaps)} rows, the first is row {gaps[0] + 1}: the board needs one"
         )
-        raise DataError(message)
 
 
 @dataclass(frozen=True)

@@ -39,11 +39,10 @@ def understood(played: Played, columns: Mapping[str, str]) -> pd.DataFrame:
     printed = [", ".join(line for line in lines if line.strip()) for lines in played.rows]
     if not any(printed):
         said = next((line for line in played.lines if line.strip()), "")
-        message = (
+        raise DataError(
             f"the sketch prints no line for any of {len(printed)} echoes{_shown(said)}: end the line of each "
             "measurement with Serial.println"
         )
-        raise DataError(message)
     first = next(filter(None, printed))
     rows = [line or _SILENT for line in printed]
     text = "\n".join([*_header(played, first), *rows, ""])
@@ -61,11 +60,10 @@ def understood(played: Played, columns: Mapping[str, str]) -> pd.DataFrame:
             message = f"the lines of the sketch are not understood{_shown(first)}: {reason}{some}"
             raise DataError(message) from None
     if len(found) != len(rows):
-        message = (
+        raise DataError(
             f"the sketch prints {len(found)} rows of values for {len(rows)} echoes{_shown(first)}: print "
             "one line for each measurement"
         )
-        raise DataError(message)
     humidity = found.conditions.get("relative_humidity")
     told = {
         "echo_us": found.echo_time * 1e6 if "echo_time" in found.source_names else None,

@@ -120,8 +120,7 @@ def _joined(frames: list[Frame], requests: Mapping[str, str], time_zone: str) ->
             how="diagonal_relaxed",
         )
     except pl.exceptions.PolarsError as error:
-        message = f"its files have columns of different types: {str(error).splitlines()[0]}"
-        raise DataError(message) from None
+        raise DataError(f"its files have columns of different types: {str(error).splitlines()[0]}") from None
     notes = []
     columns = [name for name in whole.columns if name != PLACE]
     lacking = [name for name in columns if any(name not in frame.columns for frame in frames)]

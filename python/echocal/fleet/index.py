@@ -104,11 +104,10 @@ def _counted(
 
 def _label(table: Opened, column: str) -> Any:
     if column not in table.schema:
-        message = (
+        raise DataError(
             f"{table.path} has no column '{column}', and no folder of its path is named {column}=..."
             f"{among(column, table.schema)}"
         )
-        raise DataError(message)
     return label(column, table.schema[column])
 
 
@@ -151,8 +150,7 @@ def files_of(inputs: Sequence[str | Path]) -> Files:
     for given in inputs:
         found = find_inputs(given)
         if found.single and not found.files[0].file.exists():
-            message = f"no file {given}"
-            raise DataError(message)
+            raise DataError(f"no file {given}")
         for source in found.files:
             sources.setdefault(source.file.resolve(), source)
         notes += found.left_out()

@@ -248,8 +248,7 @@ def _records(
     for task in tasks:
         own = kept.get(task["number"]) or store.finished(task["number"])
         if own is None:
-            message = f"{store.path(task['number'])} is missing or damaged; run again"
-            raise UsageError(message)
+            raise UsageError(f"{store.path(task['number'])} is missing or damaged; run again")
         for one in own:
             found = ((tuple(ids), p) for ids, p in one["posterior"])
             one["posterior"] = [(shared.setdefault(ids, ids), p) for ids, p in found]

@@ -80,11 +80,10 @@ class Store:
                 return
             if not force:
                 differing = ", ".join(sorted(k for k in {*before, *job} if before.get(k) != job.get(k)))
-                message = (
+                raise UsageError(
                     f"{self.folder} has the unfinished run of another request (it differs in: {differing}); "
                     f"repeat that request to finish it, or start anew with {keyword('force', True)}"
                 )
-                raise UsageError(message)
             self.clear()
         put(self.job, json.dumps(job, indent=1, sort_keys=True).encode())
 

@@ -30,8 +30,7 @@ def polars() -> Any:
     try:
         return import_module("polars")
     except ImportError:
-        message = "a fleet is read with polars: pip install 'echocal[batch]'"
-        raise UsageError(message) from None
+        raise UsageError("a fleet is read with polars: pip install 'echocal[batch]'") from None
 
 
 class Opened:
@@ -86,12 +85,10 @@ def _tried(path: Path, work: Any) -> Any:
         raise
     except (OSError, OverflowError, TypeError, ValueError, pl.exceptions.PolarsError) as error:
         reason = next(iter(str(error).splitlines()), type(error).__name__)
-        message = f"{path} cannot be read: {reason}"
-        raise DataError(message) from None
+        raise DataError(f"{path} cannot be read: {reason}") from None
     except BaseException as error:  # of one file: the others go on
         stop_if_told()
-        message = f"{path}: {unexpected(error)}"
-        raise DataError(message) from None
+        raise DataError(f"{path}: {unexpected(error)}") from None
 
 
 def label(name: str, kind: Any) -> Any:
@@ -126,8 +123,7 @@ def _compare(path: Path, _: tuple[tuple[str, object], ...]) -> None:
                 pass
     except (OSError, pa.ArrowException) as error:
         reason = next(iter(str(error).split("\n")), type(error).__name__)
-        message = f"{path} is damaged: {reason}"
-        raise DataError(message) from None
+        raise DataError(f"{path} is damaged: {reason}") from None
 
 
 def _has_checksums(path: Path) -> bool:

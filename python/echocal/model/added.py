@@ -84,5 +84,4 @@ def others(shape: Shape | Smooth | None, given: Mapping[str, Any]) -> dict[str, 
 
 def _refuse_out(given: Mapping[str, Any]) -> None:
     if given.get("out") is not None:
-        message = "a model with a shape makes a new array: leave out= away"
-        raise ModelError(message)
+        raise ModelError("a model with a shape makes a new array: leave out= away")

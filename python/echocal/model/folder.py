@@ -73,8 +73,7 @@ class ModelFolder:
     def __init__(self, folder: Path) -> None:
         self.folder = folder
         if not folder.is_dir():
-            message = f"{keyword('models', str(folder))} is no folder of models"
-            raise ModelError(message)
+            raise ModelError(f"{keyword('models', str(folder))} is no folder of models")
         self._index = _read_index(folder / INDEX)
         self._models: dict[str, Model | None] = {}
         self._claimed: dict[str, str] = {}
@@ -98,8 +97,7 @@ class ModelFolder:
             try:
                 content = hashlib.sha256(file.read_bytes())
             except OSError as error:
-                message = f"{file} cannot be read: {error.strerror or error}"
-                raise ModelError(message) from None
+                raise ModelError(f"{file} cannot be read: {error.strerror or error}") from None
             total.update(os.fsencode(file.name) + b"\0" + content.digest())
         return total.hexdigest()
 
@@ -109,11 +107,10 @@ class ModelFolder:
         file = file_name(key)
         first = self._claimed.setdefault(file.lower(), key)
         if first != key:
-            message = (
+            raise DataError(
                 f"the keys '{first}' and '{key}' would have the same model file {file}; name the files in "
                 f"{self.folder / INDEX}"
             )
-            raise DataError(message)
         return file if (self.folder / file).is_file() else None
 
 
@@ -126,10 +123,9 @@ def _read_index(file: Path) -> Mapping[str, str] | None:
         if content["schema"] != _SCHEMA or not all(isinstance(name, str) for name in models.values()):
             raise ValueError("another schema")
     except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
-        message = (
+        raise ModelError(
             f'{file} is no index of models ({error}); it is {{"schema": "{_SCHEMA}", "models": {{...}}}}'
-        )
-        raise ModelError(message) from None
+        ) from None
     return {str(key): name for key, name in models.items()}
 
 

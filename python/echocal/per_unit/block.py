@@ -54,16 +54,13 @@ class Block:
         Raises `DataError` if its size, its version or its checksum is wrong.
         """
         if len(data) != BYTES:
-            message = f"a block of unit data has {BYTES} bytes, not {len(data)}"
-            raise DataError(message)
+            raise DataError(f"a block of unit data has {BYTES} bytes, not {len(data)}")
         fields, check = data[: _FIELDS.size], _CHECK.unpack(data[_FIELDS.size :])[0]
         version, _, number, delay, rate = _FIELDS.unpack(fields)
         if version != VERSION:
-            message = f"the block has version {version}, this echocal reads version {VERSION}"
-            raise DataError(message)
+            raise DataError(f"the block has version {version}, this echocal reads version {VERSION}")
         if check != crc16(fields):
-            message = (
+            raise DataError(
                 f"the block's CRC is 0x{check:04X}, that of its bytes 0x{crc16(fields):04X}: it is damaged"
             )
-            raise DataError(message)
         return cls(number, delay, rate)

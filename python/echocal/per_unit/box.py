@@ -118,14 +118,12 @@ class Box:
         known = {parameter.effect: parameter for parameter in PARAMETERS}
         for effect in ends:
             if effect not in known:
-                message = (
+                raise UsageError(
                     f"{keyword('per_unit', effect)}: no parameter of this effect can differ from unit to "
                     f"unit; this version has {', '.join(known)}"
                 )
-                raise UsageError(message)
         if not ends:
-            message = f"{keyword('per_unit')} names no effect: give {', '.join(known)}, or both"
-            raise UsageError(message)
+            raise UsageError(f"{keyword('per_unit')} names no effect: give {', '.join(known)}, or both")
         return cls(*(_side(model, known[effect], ends) for effect in known))
 
     @classmethod
@@ -199,11 +197,10 @@ def _side(model: Model, parameter: Parameter, ends: Mapping[str, tuple[float, fl
         message = f"{given} is no range within the bounds of {parameter.key}, {least:g} .. {most:g}{unit}"
         raise UsageError(message)
     if not low <= value <= high:
-        message = (
+        raise UsageError(
             f"{given} does not hold the model's own {parameter.key}, {value:g}{unit}, which a unit without a "
             "valid block gets: widen the range, or change the model"
         )
-        raise UsageError(message)
     return Side(parameter, low, high, value, free=True)
 
 
@@ -223,8 +220,7 @@ def _ends(
     for text in [wanted] if isinstance(wanted, str) else wanted:
         effect, given, ends = str(text).partition("=")
         if effect in found:
-            message = f"{keyword('per_unit', text)}: {effect} is named twice"
-            raise UsageError(message)
+            raise UsageError(f"{keyword('per_unit', text)}: {effect} is named twice")
         found[effect] = _range(text, ends) if given else None
     return found
 
@@ -236,9 +232,8 @@ def _range(text: str, ends: str) -> tuple[float, float]:
     except ValueError:
         pair = math.nan, math.nan
     if not all(map(math.isfinite, pair)):
-        message = (
+        raise UsageError(
             f"{keyword('per_unit', text)}: give EFFECT or EFFECT=LOW:HIGH, in the unit of the model: "
             f"{keyword('per_unit', 'fixed_delay=0:1e-4')} [s]"
         )
-        raise UsageError(message)
     return pair

@@ -55,11 +55,10 @@ class Layout:
             if tried._fits() and (places == _MOST_PLACES or not few or places <= _FEW_PLACES):
                 low, high = tried._codes_off()
                 return cls(box, echoes, places, max(0, round((low + high) / 2 * 2**places)), slope)
-        message = (
+        raise UsageError(
             "a unit of this box adds more to an echo code than 16 bits hold: give narrower ranges "
             f"({keyword('per_unit', 'EFFECT=LOW:HIGH')}) or shorter echoes ({keyword('longest')})"
         )
-        raise UsageError(message)
 
     def _rate0(self) -> float:
         """Rate of the unit with the least parameters [1]."""

@@ -77,8 +77,7 @@ def block_of(unit: Model, number: int, box: Box, base: Model | None, whose: str)
     Block(number=7, delay=992, rate=0)
     """
     if not 0 <= number <= _MOST:
-        message = f"{whose}: number {number} is outside 0 .. {_MOST}, what four bytes hold"
-        raise DataError(message)
+        raise DataError(f"{whose}: number {number} is outside 0 .. {_MOST}, what four bytes hold")
     if unit.shape is not None:
         message = f"{whose}: unit data have no room for an unexplained term: Model.without_shape() removes it"
         raise DataError(message)
@@ -99,12 +98,11 @@ def _refuse_other(unit: Model, base: Model, whose: str) -> None:
             same = math.isclose(one, other, rel_tol=1e-9)
         if not same:
             has, wants = ("absent" if value is None else exact(value) for value in (one, other))
-            message = (
+            raise DataError(
                 f"{whose}: {name} is {has}, and in the firmware's model {wants}. A block holds "
                 f"{' and '.join(parameter.key for parameter in PARAMETERS)}: calibrate the unit with the "
                 "others fixed, or generate a firmware for this model"
             )
-            raise DataError(message)
 
 
 def _fixed(model: Model) -> dict[str, str | float]:
@@ -216,12 +214,10 @@ def _written(unit: Model, row: dict[str, object], box: Box, base: Model, folder:
 
 def _files(folder: Path) -> list[Path]:
     if not folder.is_dir():
-        message = f"{folder} is no folder: give one with a model file for each unit"
-        raise UsageError(message)
+        raise UsageError(f"{folder} is no folder: give one with a model file for each unit")
     files = sorted(file for file in folder.glob("*.json") if file.name != _INDEX)
     if not files:
-        message = f"{folder} has no file *.json: give a folder with a model file for each unit"
-        raise UsageError(message)
+        raise UsageError(f"{folder} has no file *.json: give a folder with a model file for each unit")
     return files
 
 
@@ -231,13 +227,11 @@ def _numbers(files: list[Path]) -> dict[Path, int]:
     for file in files:
         number = number_of(file)
         if number is None:
-            message = (
+            raise DataError(
                 f"{file.name}: its name does not end in the number of the unit: rename it, unit_00017.json"
             )
-            raise DataError(message)
         if number in taken:
-            message = f"{taken[number].name} and {file.name} are both unit {number}: rename one"
-            raise DataError(message)
+            raise DataError(f"{taken[number].name} and {file.name} are both unit {number}: rename one")
         numbers[file] = number
         taken[number] = file
     return numbers
@@ -245,20 +239,17 @@ def _numbers(files: list[Path]) -> dict[Path, int]:
 
 def _refuse_target(target: Path, units: Path) -> None:
     if target.resolve() == units.resolve() or target.resolve() in units.resolve().parents:
-        message = f"{target} holds the models of the units: give another folder for the blocks"
-        raise UsageError(message)
+        raise UsageError(f"{target} holds the models of the units: give another folder for the blocks")
     if not target.exists():
         return
     if not target.is_dir():
-        message = f"{target} is no folder; choose another name"
-        raise UsageError(message)
+        raise UsageError(f"{target} is no folder; choose another name")
     others = sorted({path.name for path in target.iterdir()} - set(_known(target)))
     if others:
-        message = (
+        raise UsageError(
             f"{target} has {others[0]}, which no earlier run made, and the folder is replaced as a whole: "
             "choose another folder, or move that file"
         )
-        raise UsageError(message)
 
 
 def _known(folder: Path) -> list[str]:

@@ -168,6 +168,5 @@ def in_form(names: Iterable[str], form: str) -> tuple[str, ...]:
     ('gain.svg',)
     """
     if form not in FORMS:
-        message = f"plots are written as {', '.join(FORMS)}, not as '{form}'"
-        raise UsageError(message)
+        raise UsageError(f"plots are written as {', '.join(FORMS)}, not as '{form}'")
     return tuple(str(Path(name).with_suffix(f".{form}")) for name in names)

@@ -21,8 +21,7 @@ def waveform_figure(scene: Scene, sensor: Sensor | None = None, *, row: int = 1,
     Raises `DataError` if there is no such row. The sensor is an HC-SR04 by default; rows count from 1.
     """
     if not 1 <= row <= len(scene):
-        message = f"there is no row {row}: rows are 1 to {len(scene)}"
-        raise DataError(message)
+        raise DataError(f"there is no row {row}: rows are 1 to {len(scene)}")
     sensor = sensor or Sensor()
     one = scene.at(np.array([row - 1]))
     arrives = _MILLI * float(one.paths(sensor)[0][0, 1])

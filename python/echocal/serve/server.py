@@ -58,8 +58,7 @@ def serve(port: int = PORT, *, show: bool = True) -> None:
         try:
             tried.bind((HOST, port))
         except (OSError, OverflowError) as error:
-            message = f"port {port} cannot be used ({error}); choose another one"
-            raise UsageError(message) from None
+            raise UsageError(f"port {port} cannot be used ({error}); choose another one") from None
     app.add_middleware(OwnPagesOnly, port=port)
     with on_page(FIELDS):
         ui.run(

@@ -59,8 +59,7 @@ class Measurement:
 def board_of(core: str) -> Board:
     """Return the board of a core."""
     if core not in CORES:
-        message = f"unknown core '{core}'; this version has {', '.join(CORES)}"
-        raise UsageError(message)
+        raise UsageError(f"unknown core '{core}'; this version has {', '.join(CORES)}")
     return CORES[core]
 
 

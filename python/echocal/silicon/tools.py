@@ -16,8 +16,7 @@ def run(*command: str | Path) -> str:
     """Return the standard output of a command. Raises `EchocalError` if it fails, with what it said."""
     code, out, said = attempt(*command)
     if code != 0:
-        message = f"{' '.join(map(str, command))}: {(said or out).strip() or f'exit code {code}'}"
-        raise EchocalError(message)
+        raise EchocalError(f"{' '.join(map(str, command))}: {(said or out).strip() or f'exit code {code}'}")
     return out
 
 

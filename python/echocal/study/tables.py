@@ -152,11 +152,9 @@ class Tables:
                 table = Table({str(name): tuple(map(Printed, frame[name])) for name in frame})
                 numbers = [table.values(column) for column in table.columns]
             except (OSError, ValueError, TypeError) as error:
-                message = f"cannot read {name}.csv of the study: {error}"
-                raise DataError(message) from None
+                raise DataError(f"cannot read {name}.csv of the study: {error}") from None
             if len(numbers) != width:
-                message = f"{name}.csv of the study has {len(numbers)} columns, not {width}"
-                raise DataError(message)
+                raise DataError(f"{name}.csv of the study has {len(numbers)} columns, not {width}")
             tables.append(table)
         return cls(*tables)
 

@@ -76,8 +76,7 @@ def echo_time(
     '11645 us'
     """
     if detector not in DETECTORS:
-        message = f"detector is {' or '.join(DETECTORS)}, not '{detector}'"
-        raise UsageError(message)
+        raise UsageError(f"detector is {' or '.join(DETECTORS)}, not '{detector}'")
     air = (temperature, relative_humidity, pressure)
     check_air(*air)
     if detector == "ideal":

@@ -173,10 +173,9 @@ def _seconds(time: ArrayLike, shape: tuple[int, ...]) -> Column:
     falls = np.flatnonzero(np.diff(seconds) < 0.0)
     if len(falls):
         row = int(falls[0])
-        message = (
+        raise UsageError(
             f"time falls from {seconds[row]:g} s to {seconds[row + 1]:g} s (row {row + 2}): it must ascend"
         )
-        raise UsageError(message)
     return seconds
 
 

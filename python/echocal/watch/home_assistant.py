@@ -40,8 +40,7 @@ class HomeAssistant:
     def __init__(self, url: str, node: str = "", by: str | None = None) -> None:
         parts = urlsplit(url)
         if parts.scheme not in {"mqtt", "mqtts"} or not parts.hostname:
-            message = f"{url} is no address of a broker; give mqtt://host[:port][/prefix]"
-            raise UsageError(message)
+            raise UsageError(f"{url} is no address of a broker; give mqtt://host[:port][/prefix]")
         self._prefix = unquote(parts.path.strip("/")) or _PREFIX
         self._base = "/".join(["echocal", *([slug(node)] if node else [])])
         self._node, self._by = node, by

@@ -122,8 +122,7 @@ def client_of(parts: SplitResult, **settings: Any) -> Any:
         from paho.mqtt.client import Client
         from paho.mqtt.enums import CallbackAPIVersion
     except ImportError:
-        message = "MQTT needs the library paho-mqtt: pip install 'echocal[mqtt]'"
-        raise UsageError(message) from None
+        raise UsageError("MQTT needs the library paho-mqtt: pip install 'echocal[mqtt]'") from None
     client = Client(CallbackAPIVersion.VERSION2, **settings)
     if parts.username:
         client.username_pw_set(unquote(parts.username), unquote(parts.password or ""))
@@ -142,8 +141,7 @@ def connect(client: Any, parts: SplitResult) -> None:
     try:
         client.connect(host, int(port))
     except OSError as error:
-        message = f"the broker {place} cannot be reached: {error.strerror or error}"
-        raise DataError(message) from None
+        raise DataError(f"the broker {place} cannot be reached: {error.strerror or error}") from None
     client.loop_start()
 
 

@@ -181,11 +181,10 @@ class Parser:
                 raise
             return at
         if head.nameless:
-            message = (
+            raise DataError(
                 f"{self._source} is text without a header, which cannot be watched: write the names of its "
                 "columns into a first line"
             )
-            raise DataError(message)
         below = [line for line in first[head.start - before - at :] if line.strip()]
         if not final and len(first) < FIRST and not any(_fits(line, head) for line in below):
             return at
@@ -332,7 +331,6 @@ def _object(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     found: dict[str, Any] = {}
     for name, value in pairs:
         if name in found:
-            message = f"the field '{name[:_SHOWN]}' twice"
-            raise _RepeatedError(message)
+            raise _RepeatedError(f"the field '{name[:_SHOWN]}' twice")
         found[name] = value
     return found

@@ -186,8 +186,7 @@ class Run:
         said += [f"{self.aside} lines are no rows"] if self.aside else []
         comma = any("," in own for _, _, own in most)
         way = f"; a decimal comma? pass {keyword('decimal', ',')}" if comma else ""
-        message = f"no row could be corrected: {'; '.join(said)}{way}"
-        raise DataError(message)
+        raise DataError(f"no row could be corrected: {'; '.join(said)}{way}")
 
 
 def _letter(one: Unread) -> str:

@@ -295,11 +295,10 @@ class Sensor:
         """Continue where `to_dict` was called; the rows of the window are still to be read."""
         if kept["model"] != self.model.hash:
             who = f"sensor {self.id}" if self.id else "the sensor"
-            message = (
+            raise DataError(
                 f"the state is of another model of {who} ({kept['model'][:12]}, now {self.model.hash[:12]}): "
                 f"give that model, or begin with another {keyword('state')}"
             )
-            raise DataError(message)
         for name in _PLAIN:
             setattr(self, name, kept[name])
         self.times = Times("", **kept["times"])

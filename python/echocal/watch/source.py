@@ -77,11 +77,9 @@ class Files:
         self, path: Path, state: State, poll: float, *, once: bool, layout: Layout | None = None
     ) -> None:
         if not path.exists():
-            message = f"{path} does not exist; to wait for files give their folder"
-            raise UsageError(message)
+            raise UsageError(f"{path} does not exist; to wait for files give their folder")
         if path.is_file() and path.suffix.lower() not in _TEXTS:
-            message = f"{path} cannot be watched; endings of growing files: {', '.join(_TEXTS)}"
-            raise UsageError(message)
+            raise UsageError(f"{path} cannot be watched; endings of growing files: {', '.join(_TEXTS)}")
         self.path, self.state, self.poll, self.once = path, state, poll, once
         self.layout = layout or Layout()
         self._whole = once and state.path is None
@@ -134,11 +132,10 @@ class Files:
         try:
             size = file.stat().st_size
             if size < at["byte"]:
-                message = (
+                raise DataError(
                     f"{file} became shorter ({at['byte']} bytes were read, it has {size}): it was replaced "
                     "or cut; give new rows a new file"
                 )
-                raise DataError(message)
             if size == at["byte"]:
                 return
             parser = Parser(
@@ -162,8 +159,7 @@ class Files:
                         raise too_long(file, parser.line + 1)
                     asked *= 2 if stream.tell() - len(data) == at["byte"] else 1
         except OSError as error:
-            message = f"{file} cannot be read: {error.strerror or error}"
-            raise DataError(message) from None
+            raise DataError(f"{file} cannot be read: {error.strerror or error}") from None
         self._unfinished.pop(file, None)
         if at["byte"] < size:
             what = "ends within a line, which is read when it is whole"

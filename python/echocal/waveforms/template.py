@@ -141,10 +141,9 @@ def template_of(given: ArrayLike | None, sample_rate: float, carrier: float, cou
 
 def _refuse_length(name: str, length: int, count: int, way: str) -> None:
     if length >= count:
-        message = (
+        raise UsageError(
             f"{name} has {length} samples, and a capture (from start to stop) only {count}: too short; {way}"
         )
-        raise UsageError(message)
 
 
 def _checked(given: ArrayLike) -> NDArray[np.float64]:
@@ -154,18 +153,14 @@ def _checked(given: ArrayLike) -> NDArray[np.float64]:
         values = np.asarray(None)
     if values.dtype.kind not in "fiu":
         told = repr(given) if isinstance(given, str) else f"of the type {values.dtype}"
-        message = f'template is {told}; give samples, "mean" or None'
-        raise UsageError(message)
+        raise UsageError(f'template is {told}; give samples, "mean" or None')
     samples = values.astype(np.float64)
     if samples.ndim != 1 or len(samples) < 4:
-        message = f"template has the shape {samples.shape}; give one echo of at least 4 samples"
-        raise UsageError(message)
+        raise UsageError(f"template has the shape {samples.shape}; give one echo of at least 4 samples")
     if not np.isfinite(samples).all():
-        message = (
+        raise UsageError(
             f"template has {int((~np.isfinite(samples)).sum())} samples that are not finite; give numbers"
         )
-        raise UsageError(message)
     if np.sum((samples - samples.mean()) ** 2) <= _SILENT * np.sum(samples**2) or not samples.any():
-        message = "template is constant; give an echo"
-        raise UsageError(message)
+        raise UsageError("template is constant; give an echo")
     return samples

@@ -154,8 +154,7 @@ def _readable(path: Path) -> Iterator[None]:
         yield
     except (OSError, arrow().ArrowException) as error:
         reason = next(iter(str(error).splitlines()), type(error).__name__)
-        message = f"{path} begins like Parquet and cannot be read: {reason}"
-        raise DataError(message) from None
+        raise DataError(f"{path} begins like Parquet and cannot be read: {reason}") from None
 
 
 def _next(parts: Iterator[Any], rows: int) -> Any:
@@ -210,8 +209,7 @@ def _check_written(out: Path, footer: f.Footer, source: Path) -> None:
     except (OSError, pa.ArrowException) as error:
         rows = next(iter(str(error).split("\n")), type(error).__name__)
     if rows != footer.rows:
-        message = f"{source} is damaged: its footer cannot be written again ({rows})"
-        raise DataError(message)
+        raise DataError(f"{source} is damaged: its footer cannot be written again ({rows})")
 
 
 def arrow_file(path: Path) -> Any:

@@ -221,8 +221,7 @@ class Splice:
         while count:
             data = self._source.read(min(count, _PART))
             if not data:
-                message = f"{self._source.name} became shorter while it was read"
-                raise DataError(message)
+                raise DataError(f"{self._source.name} became shorter while it was read")
             self._at += self._out.write(data)
             count -= len(data)
 

@@ -35,8 +35,7 @@ def read(data: bytes, most: int = MOST) -> Struct:
     try:
         return _Reader(data, most).struct()
     except (IndexError, OverflowError, RecursionError) as error:
-        message = f"no structure of Thrift: {error}"
-        raise ValueError(message) from None
+        raise ValueError(f"no structure of Thrift: {error}") from None
 
 
 def write(struct: Struct) -> bytes:
@@ -62,8 +61,7 @@ class _Reader:
             kind, delta = head & 0x0F, head >> 4
             field = field + delta if delta else self._zigzag()
             if field in found or len(found) > _WIDEST:
-                message = f"field {field} twice" if field in found else f"more than {_WIDEST} fields"
-                raise ValueError(message)
+                raise ValueError(f"field {field} twice" if field in found else f"more than {_WIDEST} fields")
             found[field] = (kind, kind == TRUE if kind in (TRUE, FALSE) else self._value(kind))
 
     def _value(self, kind: int) -> Value:
@@ -79,8 +77,7 @@ class _Reader:
             return self._byte()
         if kind == DOUBLE:
             return self._take(8)
-        message = f"a field of kind {kind}"
-        raise ValueError(message)
+        raise ValueError(f"a field of kind {kind}")
 
     def _list(self) -> tuple[int, list[Value]]:
         head = self._byte()
@@ -88,19 +85,17 @@ class _Reader:
         if count == 15:
             count = self._varint()
         if count > len(self.data) - self.at:
-            message = f"a list of {count} elements where {len(self.data) - self.at} bytes are left"
-            raise ValueError(message)
+            raise ValueError(f"a list of {count} elements where {len(self.data) - self.at} bytes are left")
         self._count(count)
         return kind, [self._value(kind) for _ in range(count)]
 
     def _count(self, more: int) -> None:
         self._left -= more
         if self._left < 0:
-            message = (
+            raise ValueError(
                 f"it has more than {self._most:,} fields and elements: it is damaged, or needs a larger "
                 f"{keyword('memory')}, or larger row groups"
             )
-            raise ValueError(message)
 
     def _byte(self) -> int:
         value = self.data[self.at]
@@ -110,8 +105,7 @@ class _Reader:
     def _take(self, count: int) -> bytes:
         taken = self.data[self.at : self.at + count]
         if len(taken) < count:
-            message = f"{count} bytes where {len(taken)} are left"
-            raise ValueError(message)
+            raise ValueError(f"{count} bytes where {len(taken)} are left")
         self.at += count
         return taken
 
@@ -127,8 +121,7 @@ class _Reader:
                 return value
             shift += 7
             if shift > 63:
-                message = "an integer of more than 64 bits"
-                raise ValueError(message)
+                raise ValueError("an integer of more than 64 bits")
 
     def _zigzag(self) -> int:
         value = self._varint()

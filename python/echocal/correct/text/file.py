@@ -60,11 +60,10 @@ class Text:
         except DataError as error:
             if not str(error).startswith("no column holds an echo"):
                 raise
-            message = (
+            raise DataError(
                 f"{error}. If echocal diagnose reads the log, it has another shape; a table of it: "
                 + command_line("inspect", path, write="table.csv")
-            )
-            raise DataError(message) from None
+            ) from None
         self.parser = Parser(self.head, _kinds(names, job), _absent(job))
         least, largest = _BLOCK
         size = (job.memory - _FIXED) // (_TIMES * (job.threads + 2))
@@ -148,11 +147,10 @@ def check_whole(text: Text, tally: Tally) -> None:
     """Refuse a file whose rows do not fit its header, or whose columns have no value or another unit."""
     corrupt, width = tally.unusable.get(CORRUPT, 0), len(text.head.names)
     if 2 * corrupt >= max(tally.rows, 1):
-        message = (
+        raise DataError(
             f"{text.path} cannot be read as rows of {width} fields like its header: {corrupt} of "
             f"{tally.rows} rows have more, first row {tally.first[CORRUPT]}"
         )
-        raise DataError(message)
     if tally.doubtful(text.job):
         whole = pd.concat(list(text.tables()), ignore_index=True)
         text.corrector.correct(whole, Context(), (0, len(whole)), whole=True)

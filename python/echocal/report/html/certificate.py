@@ -99,10 +99,9 @@ def certify(
     'conforms'
     """
     if not 0.0 < maximum_permissible_error < np.inf:
-        message = (
+        raise UsageError(
             f"the maximum permissible error must be a positive length [m], got {maximum_permissible_error!r}"
         )
-        raise UsageError(message)
     found = budget(model, observations, uncertainties=uncertainties, coverage=coverage)
     rows = np.flatnonzero(np.isfinite(found.distance) & observations.usable)
     measured = observations.reference_distance is not None
@@ -186,8 +185,7 @@ def refuse_ending(path: Path) -> None:
     Raises `UsageError` if the ending is another one, or WeasyPrint is not installed.
     """
     if path.suffix.lower() not in (".html", ".pdf"):
-        message = f"{path}: a certificate is .html or .pdf"
-        raise UsageError(message)
+        raise UsageError(f"{path}: a certificate is .html or .pdf")
     if path.suffix.lower() == ".pdf":
         try:
             import weasyprint  # noqa: F401

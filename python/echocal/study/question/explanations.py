@@ -215,8 +215,7 @@ def _by_size(mean: float, wanted: Pattern) -> str:
 def _sized(suspect: Suspect, wanted: Pattern, made: Column) -> Verdict:
     free = suspect.free
     if free is None:
-        message = "a suspect of a fixed size has none to find"
-        raise ValueError(message)
+        raise ValueError("a suspect of a fixed size has none to find")
     unit = float(made.mean()) / free.staged  # mm for one unit of the size
     size, error = wanted.mean / unit, abs(wanted.mean_error / unit)
     inside = free.low - LIMIT * error <= size <= free.high + LIMIT * error

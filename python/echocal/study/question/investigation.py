@@ -100,10 +100,9 @@ def _numbers(lines: Sequence[str], suspect: Suspect) -> list[float]:
     """Return duration, reading and temperature of a row."""
     match = _ROW.search(lines[0]) if lines else None
     if match is None:
-        message = (
+        raise DataError(
             f"the board printed {lines} for a row of suspect '{suspect.id}', not echo, reading, temperature"
         )
-        raise DataError(message)
     return [float(text) for text in match.groups()]
 
 

@@ -157,11 +157,10 @@ class Cause:
         least = -_MOST * self.high if self.low < 0 else 0.0
         if not least <= size <= _MOST * self.high or abs(size) < _LEAST * self.high:
             limits = f"from {least:g} to {_MOST * self.high:g}, and not 0"
-            message = (
+            raise UsageError(
                 f"{self.id}={size:g}: its size is {limits} [{self.unit}]; usual is {self.usual()}, "
                 f"and {self.id} without a size draws one"
             )
-            raise UsageError(message)
         if self.whole and size != round(size):
             message = f"{self.id}={size:g}: its size is a whole number [{self.unit}]; usual is {self.usual()}"
             raise UsageError(message)

@@ -24,8 +24,7 @@ def _design(function: Design) -> Design:
 def lay_down(name: str, random: Random) -> Campaign:
     """Make the campaign of a design. Raises `UsageError` if there is no such design."""
     if name not in DESIGNS:
-        message = f"there is no design '{name}'; there are {', '.join(DESIGNS)}"
-        raise UsageError(message)
+        raise UsageError(f"there is no design '{name}'; there are {', '.join(DESIGNS)}")
     return DESIGNS[name](random)
 
 

@@ -64,8 +64,7 @@ def check_seed(name: str, seed: object) -> None:
     Raises `UsageError` if it is no whole number of 0 or more.
     """
     if isinstance(seed, bool) or not isinstance(seed, int | np.integer) or seed < 0:
-        message = f"{name} is {seed!r}; give a whole number of 0 or more"
-        raise UsageError(message)
+        raise UsageError(f"{name} is {seed!r}; give a whole number of 0 or more")
 
 
 def check_length(name: str, value: ArrayLike, count: int) -> None:
@@ -75,8 +74,7 @@ def check_length(name: str, value: ArrayLike, count: int) -> None:
     """
     values = np.asarray(value)
     if values.ndim and values.shape != (count,):
-        message = (
+        raise UsageError(
             f"{name} has the shape {values.shape}, and distance has {count} readings; "
             "give one number for all, or one for each reading"
         )
-        raise UsageError(message)

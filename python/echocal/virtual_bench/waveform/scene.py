@@ -126,12 +126,11 @@ class Scene:
         if len(behind):
             one = behind[0]
             turned, aside = (float(np.broadcast_to(value, front.shape)[one]) for value in (tilt, offset))
-            message = (
+            raise UsageError(
                 f"the target of reading {one + 1} shows its back to the sensor: at {self.distance[one]:g} m, "
                 f"{aside:g} m off the axis, a tilt of {turned:g} rad leaves {front[one]:g} m to its plane; "
                 "give a smaller tilt or offset"
             )
-            raise UsageError(message)
 
     def __len__(self) -> int:
         return len(self.distance)
