@@ -6,9 +6,9 @@ constant. Both take the absorption from ISO 9613-1, for no second law of it is k
 """
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
-from echocal.arrays import Column
+Column = NDArray[np.float64]
 
 _R = 8.314462618  # J/(mol K), CODATA 2018
 _KELVIN = 273.15

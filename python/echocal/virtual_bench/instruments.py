@@ -9,10 +9,11 @@ from dataclasses import dataclass, replace
 from typing import Self
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
-from echocal.arrays import Column
 from echocal.errors import UsageError
+
+Column = NDArray[np.float64]
 
 _FULL_SUN = 1000.0  # W/m2
 _TO92 = 60.0

@@ -7,12 +7,16 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
+from numpy.typing import NDArray
 
-from echocal.arrays import Column, Labels
 from echocal.errors import UsageError
 from echocal.virtual_bench.waveform.fluctuations import Turbulence
 from echocal.virtual_bench.waveform.sensor import Sensor
 from echocal.virtual_bench.waveform.target import Target
+
+Column = NDArray[np.float64]
+Labels = NDArray[np.int64]
+
 
 # Of a placement: tilt [rad] and logarithm of the amplitude. The first is an assumption. The second is set by
 # hand: with it as many near placements stand on another cycle as in a real record (docs/virtual-bench.md).

@@ -5,10 +5,11 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.arrays import Column
 from echocal.errors import UsageError
 from echocal.virtual_bench.campaign.campaign import Campaign, Random, Surroundings
 from echocal.virtual_bench.waveform.fluctuations import INDOORS, OUTDOORS, remembering
+
+Column = NDArray[np.float64]
 
 _HOUR, _DAY = 3600.0, 86400.0
 

@@ -19,6 +19,8 @@ from echocal.virtual_bench.waveform.possible import check_seed
 from echocal.virtual_bench.waveform.scene import Scene
 from echocal.virtual_bench.waveform.sensor import Sensor
 
+Column = NDArray[np.float64]
+
 _MICRO, _PERCENT, _SUPPLY = 1e6, 100.0, 5.0
 _THERMOMETER_NOISE = 0.05  # K, of one reading: DS18B20 datasheet, 12 bits: steps of 0.0625 K
 

@@ -11,9 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from echocal.arrays import Column
 from echocal.virtual_bench.waveform.possible import Limits, check
 
+Column = NDArray[np.float64]
 Phasor = NDArray[np.complex128]
 
 _APART = 1e-5  # relative: resonances at one frequency are set apart by so much, which divides by it

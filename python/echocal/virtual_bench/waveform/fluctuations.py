@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import lfilter
 
-from echocal.arrays import Column
+Column = NDArray[np.float64]
 
 
 def remembering(seconds: Column, time_constant: float, random: np.random.Generator) -> Column:

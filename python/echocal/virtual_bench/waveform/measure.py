@@ -7,11 +7,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.arrays import Column
 from echocal.virtual_bench.waveform.burst import BurstResponse
 from echocal.virtual_bench.waveform.received import HEARD, Noise, NoiseAlone, Received, first_crossing
 from echocal.virtual_bench.waveform.scene import Scene
 from echocal.virtual_bench.waveform.sensor import Sensor
+
+Column = NDArray[np.float64]
 
 _CHUNK = 2000  # readings at a time: their arrays stay in the cache
 _WINDOWS = ((0, 8), (8, 16))  # first period after a beginning, and how many: most cross in the first window

@@ -7,14 +7,16 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import lfilter
 
-from echocal.arrays import Column
 from echocal.virtual_bench.waveform.burst import BurstResponse
 from echocal.virtual_bench.waveform.sensor import Comparator, Sensor
+
+Labels = NDArray[np.int64]
 
 _SLACK = 0.85  # of the threshold: the height of a crest is known to 2 % before it is looked at closely
 _PIECES = 4  # of the half period before a crest: a straight line in each is true to 1e-4 of the amplitude
 _HALVINGS = 11  # of such a piece: 1.5 ns at 40 kHz
 
+Column = NDArray[np.float64]
 Phasor = NDArray[np.complex128]
 
 _EDGES = 200  # of the stretches in which the threshold counts as constant, 3 % of the time each

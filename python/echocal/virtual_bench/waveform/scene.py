@@ -6,13 +6,13 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.arrays import Column
 from echocal.errors import UsageError
 from echocal.virtual_bench import air
 from echocal.virtual_bench.waveform.possible import Limits, check, check_length
 from echocal.virtual_bench.waveform.sensor import Sensor
 from echocal.virtual_bench.waveform.target import Target, aperture, directivity, echo_of
 
+Column = NDArray[np.float64]
 Phasor = NDArray[np.complex128]
 Value = float | Column
 Path = tuple[Column, Phasor]  # length [m] and size of what arrives by a path, without the air

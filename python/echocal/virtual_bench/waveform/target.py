@@ -7,9 +7,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.special import fresnel, j1
 
-from echocal.arrays import Column
 from echocal.virtual_bench.waveform.possible import Limits, check
 
+Column = NDArray[np.float64]
 Phasor = NDArray[np.complex128]
 
 _EXTENT = Limits(0.0, above=True, endless=True, unit="m")
