@@ -136,7 +136,7 @@ def spoiled_footer(data: bytes, random: Random) -> bytes:
         case 0 | 1:
             return with_footer(data, spoiled(footer, random))
         case 2 | 3:
-            struct, _ = thrift.read(footer)
+            struct = thrift.read(footer)
             for _ in range(int(random.integers(1, 3))):
                 _spoil(struct, random)
             return with_footer(data, thrift.write(struct))

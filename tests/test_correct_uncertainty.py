@@ -12,10 +12,10 @@ from hidden_effects.cases import Case, Spec
 from typer.testing import CliRunner
 
 import echocal
+from echocal.budget.stated import Uncertainties
 from echocal.cli import app
 from echocal.correct import correct_table
 from echocal.correct.results import DISTANCE, UNCERTAINTY
-from echocal.correct.uncertainty import Uncertainties
 
 EFFECTS = {
     "fixed_delay": {"delay": 31e-6},

@@ -14,8 +14,10 @@ from hidden_effects.planting import EFFECTS, bench, noise, table
 from matplotlib.figure import Figure
 
 import echocal
+from echocal.charts.errors import column_chart
 from echocal.diagnose.findings.sentences import Recorded, tendency
-from echocal.plots.diagnosis import plot_residuals, save_diagnosis
+from echocal.plots.diagnosis import save_diagnosis
+from echocal.plots.draw import draw_panel
 
 TABLE = Path(__file__).parents[1] / "examples" / "study_table2.csv"
 
@@ -242,6 +244,7 @@ def test_each_of_a_few_distances_has_its_own_mean(random: np.random.Generator) -
     table = {"reading_m": distance + random.normal(0, 1e-3, 60), "distance_m": distance}
     diagnosis = echocal.diagnose({**table, "temperature_C": np.tile(np.linspace(5, 30, 15), 4)})
     ax = Figure().add_subplot()
-    plot_residuals(diagnosis, ax, "distance")
+    chart = column_chart(diagnosis, "distance")
+    draw_panel(chart.panels[0], chart.x, ax)
     means = [np.asarray(line.get_xdata()) for line in ax.lines if line.get_linestyle() == "-"]
     assert any(np.allclose(x, [0.4, 1.0, 1.8, 3.0]) for x in means if len(x) == 4)

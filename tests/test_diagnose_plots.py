@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from rich.console import Console
 
 import echocal
-from echocal.charts.errors import by_correlation
+from echocal.charts.errors import by_correlation, column_chart
 from echocal.diagnose import Cause, NextMeasurement
 from echocal.diagnose.results.grouped import grouped
 from echocal.plots.diagnosis import (
@@ -20,11 +20,11 @@ from echocal.plots.diagnosis import (
     next_figure,
     plot_gain,
     plot_posterior,
-    plot_residuals,
     plot_unexplained,
     residuals_figure,
     save_diagnosis,
 )
+from echocal.plots.draw import draw_panel
 from echocal.report import print_diagnosis
 
 
@@ -230,8 +230,9 @@ def test_a_worse_model_looks_worse(diagnosis: echocal.Diagnosis) -> None:
     traces = diagnosis.traces
     worse = replace(diagnosis, traces=replace(traces, before=traces.after, after=traces.before))
     limits = []
-    for which in ("before", "after"):
-        plot_residuals(worse, ax := Figure().add_subplot(), "temperature", which)
+    chart = column_chart(worse, "temperature")
+    for panel in chart.panels:
+        draw_panel(panel, chart.x, ax := Figure().add_subplot())
         limits.append(ax.get_ylim())
     assert limits[0] == limits[1]
     assert "same scale" in ax.get_title(loc="left")

@@ -166,7 +166,7 @@ def test_a_footer_of_many_elements(tmp_path: Path) -> None:
     pq.write_table(pa.table({"echo_us": [11680.0], "temperature_C": [20.0]}), "log.parquet")
     raw = Path("log.parquet").read_bytes()
     length = int.from_bytes(raw[-8:-4], "little")
-    struct, _ = thrift.read(raw[-8 - length : -8])
+    struct = thrift.read(raw[-8 - length : -8])
     pair = {1: (thrift.BINARY, b"k"), 2: (thrift.BINARY, b"v")}
     struct[footer.KEY_VALUES] = footer.structs([pair] * 200_000)
     foot = thrift.write(struct)

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from cusum import cusum_delay, cusum_run_length, cusum_threshold
 from watched import WAIT, noise, temperatures
 
 import echocal
@@ -11,15 +12,7 @@ from echocal.watch import WatchSettings
 from echocal.watch.monitor import Alarm, Monitor
 from echocal.watch.settings import WatchSettings as Numbers
 from echocal.watch.signatures import Signatures
-from echocal.watch.threshold import (
-    cusum_delay,
-    cusum_run_length,
-    cusum_threshold,
-    false_alarm_rate,
-    overshoot,
-    slack,
-    threshold,
-)
+from echocal.watch.threshold import false_alarm_rate, overshoot, slack, threshold
 
 YEAR = 365.25 * 86400.0
 
@@ -145,6 +138,7 @@ def test_a_step_and_a_drift_are_told_in_time_and_dated(random: np.random.Generat
 def test_no_test_is_faster_than_pages_test() -> None:
     """The bound grows with the logarithm of the run length, divided by the information of a row."""
     for shift in (0.5, 1.0):
+        assert cusum_delay(10_000.0, 1.0) == pytest.approx(15.0, abs=0.05)
         gained = cusum_delay(1e8, shift) - cusum_delay(1e6, shift)
         assert gained == pytest.approx(2.0 * math.log(100.0) / shift**2, rel=0.02)
 

@@ -5,8 +5,6 @@ from typing import Any
 
 from echocal.errors import DataError, UsageError
 
-__all__ = ["Port", "block"]
-
 _SILENCE = 10.0  # s without a line, after which a port is told silent
 _FIRST = 5  # lines in which a program tells the names of its columns
 
@@ -14,12 +12,8 @@ _FIRST = 5  # lines in which a program tells the names of its columns
 def block(line: Callable[[], str], cut: Callable[[str], None]) -> list[str]:
     """Lines up to an empty one, or the end; a last line without its end may be cut, and is left out.
 
-    Parameters
-    ----------
-    line : callable
-        Gives the next line with its end; an empty text where there is none.
-    cut : callable
-        Is told the line that is left out.
+    `line` gives the next line with its end, an empty text where there is none; `cut` is told the line that
+    is left out.
     """
     lines = []
     while (text := line()).strip():
@@ -33,27 +27,12 @@ def block(line: Callable[[], str], cut: Callable[[str], None]) -> list[str]:
 class Port:
     """A serial port, by the library pyserial.
 
-    Parameters
-    ----------
-    name : str
-        ``/dev/ttyUSB0``, ``COM3``, or an address as pyserial has them.
-    rate : int
-        Bits per second.
-    wait : float
-        Longest wait for a line [s].
+    Its `name` is ``/dev/ttyUSB0``, ``COM3``, or an address as pyserial has them; `rate` is in bits per
+    second, and `wait` is the longest wait for a line [s]. `first` has the lines that came first, in which a
+    program tells the names of its columns. They are no readings: nobody knows where the target was.
 
-    Attributes
-    ----------
-    first : list of str
-        The lines that came first, in which a program tells the names of its columns. They are no readings,
-        because nobody knows where the target was.
-
-    Raises
-    ------
-    UsageError
-        If the library is absent.
-    DataError
-        If the port cannot be opened, or no line comes.
+    Raises `UsageError` if the library is absent, and `DataError` if the port cannot be opened, or no line
+    comes.
     """
 
     def __init__(self, name: str, rate: int, wait: float = _SILENCE) -> None:
@@ -66,8 +45,7 @@ class Port:
         try:
             self._port: Any = serial.serial_for_url(name, baudrate=rate, timeout=wait)
         except (OSError, ValueError) as error:  # pyserial's own errors are OSErrors
-            message = f"the port {name} cannot be opened: {error}"
-            raise DataError(message) from None
+            raise DataError(f"the port {name} cannot be opened: {error}") from None
         self.first = [line for line, _ in zip(self._lines(), range(_FIRST), strict=False)]
 
     def take(self, count: int) -> list[str]:
@@ -93,12 +71,10 @@ class Port:
         try:
             line = self._port.readline()
         except OSError as error:
-            message = f"the port {self.name} does not answer any more: {error}"
-            raise DataError(message) from None
+            raise DataError(f"the port {self.name} does not answer any more: {error}") from None
         if not line.endswith(b"\n"):
-            message = (
+            raise DataError(
                 f"no line came from {self.name} in {self.wait:g} s at {self.rate} baud: does the sketch "
                 "print lines, and at this rate?"
             )
-            raise DataError(message)
         return str(line.decode("utf-8", errors="replace")).strip()

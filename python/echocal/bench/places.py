@@ -5,8 +5,6 @@ from collections.abc import Sequence
 from echocal.diagnose import Diagnosis, NextMeasurement
 from echocal.diagnose.experiment_design.ranges import corners_and_middle
 
-__all__ = ["Span", "decides_nothing_more", "next_place", "places_of"]
-
 Span = tuple[float, float]
 
 _TWICE = 2  # placements at each place: the second shows how exactly the target is placed
@@ -27,14 +25,8 @@ def places_of(span: Span) -> list[float]:
 def next_place(span: Span, visited: Sequence[float], diagnosis: Diagnosis | None) -> float:
     """The place that was visited least; of several the one farthest from the last: far and near take turns.
 
-    Parameters
-    ----------
-    span : tuple of float
-        Nearest and farthest distance [m].
-    visited : sequence of float
-        Proposed places so far [m].
-    diagnosis : Diagnosis or None
-        Of the rows so far; where it proposes rows, the target goes to their places.
+    `span` is the nearest and the farthest distance, `visited` the proposed places so far [m]. Where the
+    diagnosis of the rows so far proposes rows, the target goes to their places.
 
     Examples
     --------

@@ -17,8 +17,6 @@ from echocal.observations.numbers import says_no_echo
 from echocal.observations.options import ReadOptions
 from echocal.time_outs import is_echo
 
-__all__ = ["Placement", "Ruler"]
-
 _NAMED = "delimited text"
 _NAMELESS = re.compile(r"column \d+")
 _REFERENCE, _READING = "distance_", "reading_"  # what names begin with
@@ -30,51 +28,27 @@ PLACED = ("distance_m", "stand")
 
 @dataclass(frozen=True)
 class Placement:
-    """Rows at one distance.
+    """Rows at one distance."""
 
-    Attributes
-    ----------
-    rows : pandas.DataFrame
-        Columns with echocal's names.
-    lines : int
-        Lines that came.
-    usable : int
-        Rows with an echo.
-    """
-
-    rows: pd.DataFrame
-    lines: int
-    usable: int
+    rows: pd.DataFrame  # columns with echocal's names
+    lines: int  # lines that came
+    usable: int  # rows with an echo
 
 
 @dataclass
 class Ruler:
-    """What is known of the lines, and the placements so far.
+    """What is known of the lines, and the placements so far."""
 
-    Attributes
-    ----------
-    options : ReadOptions
-        How lines are read.
-    heading : str
-        Names of the columns, where lines have none.
-    codes : dict of str to list of str
-        Error codes that mean "no value", by column of the table.
-    table : pandas.DataFrame
-        All placements.
-    """
-
-    options: ReadOptions
-    heading: str = ""
+    options: ReadOptions  # how lines are read
+    heading: str = ""  # names of the columns, where lines have none
     codes: dict[str, list[str]] = field(default_factory=dict)
-    table: pd.DataFrame = field(default_factory=pd.DataFrame)
+    """Error codes that mean "no value", by column of the table."""
+    table: pd.DataFrame = field(default_factory=pd.DataFrame)  # all placements
 
     def looked_at(self, lines: Sequence[str]) -> Inspection | None:
         """What lines hold; None where each says that no echo came.
 
-        Raises
-        ------
-        DataError
-            If they cannot be read.
+        Raises `DataError` if they cannot be read.
         """
         if all(map(says_no_echo, lines)):
             return None
@@ -124,10 +98,7 @@ class Ruler:
     def placement(self, lines: Sequence[str], distance: float) -> Placement:
         """The rows of a placement, where the target is so far away [m].
 
-        Raises
-        ------
-        DataError
-            If lines cannot be read as those before.
+        Raises `DataError` if lines cannot be read as those before.
         """
         found = self.looked_at(lines)
         if found is None:

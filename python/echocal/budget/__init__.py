@@ -1,6 +1,5 @@
 """Uncertainty budgets of corrected distances: JCGM 100, JCGM 101."""
 
-from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -10,7 +9,7 @@ from numpy.typing import NDArray
 
 from echocal._verb import callable_as
 from echocal.budget.coverage import COVERAGE, checked_coverage
-from echocal.budget.entries import Itemized, itemized
+from echocal.budget.entries import Itemized, itemized, some_rows
 from echocal.budget.monte_carlo import MonteCarlo, simulated
 from echocal.budget.result import Budget
 from echocal.budget.stated import PUBLISHED, Uncertainties
@@ -102,8 +101,7 @@ def budget(
         model = Model(str(model))
     probability = checked_coverage(coverage)
     if isinstance(trials, bool) or not isinstance(trials, int | np.integer) or trials < 0 or trials == 1:
-        message = f"{keyword('trials', trials)} is no number of draws; give 0 for none, or 2 or more"
-        raise UsageError(message)
+        raise UsageError(f"{keyword('trials', trials)} is no number of draws; give 0 for none, or 2 or more")
     if observations is None:
         rows = observations_of(model, given)
     else:
@@ -117,11 +115,14 @@ def budget(
     stated = complete(model, uncertainties, uncertain(rows))
     found = itemized(rows, model, distance, stated)
     if not found.entries:
-        message = f"nothing is known of any uncertainty; state some with {keyword('uncertainties')}"
-        raise DataError(message)
+        raise DataError(f"nothing is known of any uncertainty; state some with {keyword('uncertainties')}")
     found.refuse_unknown(distance)
     places = _places(distance, found.standard_uncertainty) if trials else np.zeros(0, dtype=np.int64)
-    drawn = _simulated(rows, model, stated, places, int(trials), probability, seed) if trials else None
+    drawn = None
+    if trials:
+        own, random = some_rows(rows, places), np.random.default_rng(seed)
+        drawn_from = itemized(own, model, corrected_distance(own, model), stated)
+        drawn = simulated(own, model, drawn_from, int(trials), probability, random)
     return Budget(
         distance=distance,
         conditions=dict(rows.conditions),
@@ -152,20 +153,6 @@ def _places(distance: NDArray[np.float64], u: NDArray[np.float64]) -> NDArray[np
     ordered = known[np.argsort(distance[known], kind="stable")]
     evenly = ordered[np.linspace(0, len(ordered) - 1, _DRAWN_ROWS).astype(int)]
     return np.union1d(evenly, [known[int(np.argmax(u[known]))]])
-
-
-def _simulated(
-    rows: Any,
-    model: Model,
-    stated: Uncertainties,
-    places: NDArray[np.int64],
-    trials: int,
-    coverage: float,
-    seed: int,
-) -> MonteCarlo:
-    own = some(rows, places)
-    found = itemized(own, model, corrected_distance(own, model), stated)
-    return simulated(own, model, found, trials, coverage, np.random.default_rng(seed))
 
 
 def _notes(
@@ -228,24 +215,18 @@ def _of_steps(rows: Observations, stated: Uncertainties, known: float) -> list[s
 def observations_of(model: Model, given: dict[str, Any]) -> Observations:
     """Rows for every combination of distances and conditions; the last one changes fastest.
 
-    Raises
-    ------
-    UsageError
-        If a name or a range cannot be understood, or there are too many combinations.
+    Raises `UsageError` if a name or a range cannot be understood, or there are too many combinations.
     """
     known = ("distance", *QUANTITIES)
     for name in given:
         if name not in known:
-            message = f"{keyword(name)}: no such condition{among(name, known, 'there are')}"
-            raise UsageError(message)
+            raise UsageError(f"{keyword(name)}: no such condition{among(name, known, 'there are')}")
     if "distance" not in given:
-        message = f"give readings, or the distances of a grid: {keyword('distance', 2)}"
-        raise UsageError(message)
+        raise UsageError(f"give readings, or the distances of a grid: {keyword('distance', 2)}")
     axes = {name: np.atleast_1d(axis(name, own)) for name, own in given.items()}
     count = np.prod([float(len(values)) for values in axes.values()])
     if count > _LARGEST:
-        message = f"{count:.0f} combinations are more than {_LARGEST}; take larger steps"
-        raise UsageError(message)
+        raise UsageError(f"{count:.0f} combinations are more than {_LARGEST}; take larger steps")
     grid = dict(zip(axes, map(np.ravel, np.meshgrid(*axes.values(), indexing="ij")), strict=True))
     distance = grid.pop("distance")
     indication = np.asarray(model.indicate(distance, **grid))
@@ -253,26 +234,3 @@ def observations_of(model: Model, given: dict[str, Any]) -> Observations:
     columns = {column: grid[name] for name, column in model.columns.items() if name in grid}
     conditions = {name: values for name, values in grid.items() if name not in model.columns}
     return Observations(echo, conditions, None, np.full(len(distance), ""), thermometers=columns)
-
-
-def some(observations: Observations, places: NDArray[np.int64]) -> Observations:
-    """The observations of some rows."""
-
-    def of(columns: Mapping[str, Any]) -> dict[str, Any]:
-        return {name: values[places] for name, values in columns.items()}
-
-    def optional(values: Any) -> Any:
-        return None if values is None else values[places]
-
-    return replace(
-        observations,
-        echo_time=observations.echo_time[places],
-        conditions=of(observations.conditions),
-        reference_distance=optional(observations.reference_distance),
-        unusable=observations.unusable[places],
-        reading=optional(observations.reading),
-        time=optional(observations.time),
-        labels=of(observations.labels),
-        extra=of(observations.extra),
-        thermometers=of(observations.thermometers),
-    )

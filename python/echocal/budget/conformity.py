@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from echocal.arrays import Column
 from echocal.budget.coverage import COVERAGE, conformity_probability, coverage_factor, decided
 from echocal.budget.entries import Entry, Itemized, itemized
 from echocal.budget.sources import LAW, TAPE
@@ -15,10 +16,6 @@ from echocal.observations import Observations
 from echocal.observations.at import uncertain
 from echocal.observations.echoes import DEFAULT_SPEED
 from echocal.quantities import FROM_THERMOMETERS
-
-__all__ = ["Conformity", "assessed", "budget_of_errors", "without_effect"]
-
-Column = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -59,18 +56,8 @@ def budget_of_errors(
 ) -> Itemized:
     """Budget of errors of indication: only what is stated and the join of a reference.
 
-    The device and its model are what is examined.
-
-    Parameters
-    ----------
-    observations : Observations, of n rows
-        With reference distances.
-    model : Model or None
-        The model that corrects; None for the indications as they are.
-    indication : ndarray, shape (n,)
-        [m].
-    law : str
-        Law that turns echo times into indications, where the table has no readings and there is no model.
+    The device and its model are what is examined; without a model the indications [m] stay as they are.
+    `law` turns echo times into indications, where the table has no readings and there is no model.
     """
     own = Uncertainties.with_conditions(uncertainties, uncertain(observations))
     bare = model is None and observations.reading is not None

@@ -7,21 +7,9 @@ from numbers import Real
 import numpy as np
 from numpy.typing import NDArray
 
+from echocal.arrays import Column
 from echocal.errors import UsageError
 from echocal.keywords import keyword
-
-__all__ = [
-    "COVERAGE",
-    "DECISIONS",
-    "checked_coverage",
-    "conformity_probability",
-    "coverage_factor",
-    "decided",
-    "plus_minus",
-    "rounded_up",
-]
-
-Column = NDArray[np.float64]
 
 COVERAGE = 0.9545
 """Coverage probability that gives k = 2 for a normal distribution."""
@@ -60,14 +48,7 @@ def conformity_probability(
 ) -> Column:
     """Probability that a true error is within ``+-bound`` (JCGM 106:2012, 7.2), given what was measured.
 
-    Parameters
-    ----------
-    error : ndarray
-        Measured error [m]; 0 where none was measured.
-    uncertainty : ndarray
-        Its standard uncertainty [m].
-    bound : float
-        Maximum permissible error [m].
+    The measured error, 0 where none was measured, its standard uncertainty and the bound are in m.
 
     Examples
     --------

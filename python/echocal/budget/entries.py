@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from echocal._core import speed_of_sound
+from echocal.arrays import Column
 from echocal.budget.sources import ECHOES, LAW, TAPE, Source, of_law
 from echocal.budget.stated import Uncertainties
 from echocal.errors import DataError, DomainWarning
@@ -25,12 +26,6 @@ from echocal.observations.correction import base_indication, corrected_distance
 from echocal.quantities import DEFAULTS, FROM_THERMOMETERS, QUANTITIES
 from echocal.registry import find_effect
 
-__all__ = ["Entry", "Itemized", "conditions_of", "itemized", "values_of"]
-
-Column = NDArray[np.float64]
-
-OWN = ("parameters", "shape", "residual")
-"""Groups of entries that the model itself brings; entries that a user states have the group ``stated``."""
 _CRAMER = 300e-6
 """Cramer 1993, doi:10.1121/1.405827: 300 ppm."""
 _VIRIAL = 110e-6
@@ -130,20 +125,16 @@ class Itemized:
     def refuse_unknown(self, distance: Column) -> None:
         """Refuse rows with a distance where the size of a source is not known.
 
-        Raises
-        ------
-        DataError
-            With the source, the number of rows and the first of them.
+        Raises `DataError` with the source, the number of rows and the first of them.
         """
         for entry in self.entries:
             lost = np.isfinite(distance) & np.isnan(entry.standard_uncertainty)
             if lost.any():
                 quantity, first = entry.quantity.replace("_", " "), int(np.argmax(lost)) + 1
-                message = (
+                raise DataError(
                     f"{entry.words}: the {quantity} is outside of the range that they are stated for in "
                     f"{int(lost.sum())} rows, first in row {first}; state it as a number"
                 )
-                raise DataError(message)
 
     def rows(self, places: NDArray[np.int64]) -> "Itemized":
         """The budgets of some rows."""
@@ -175,15 +166,8 @@ def itemized(
     The model brings the covariance of its parameters, its unexplained term or smooth correction and its
     residual uncertainty. The user states the rest. The sensitivity to an influence quantity is half the
     change of the distance between one standard uncertainty above and below, divided by that uncertainty
-    (JCGM 100:2008, 5.1.3, note 2), at the recorded echo time.
-
-    Parameters
-    ----------
-    observations : Observations, of n rows
-    model : Model
-    distance : ndarray, shape (n,)
-        Corrected distances [m].
-    uncertainties : Uncertainties
+    (JCGM 100:2008, 5.1.3, note 2), at the recorded echo time. `distance`, shape (n,), has the corrected
+    distances of the n rows [m].
     """
     given = conditions_of(observations, model)
     with warnings.catch_warnings(action="ignore", category=DomainWarning):  # told with the distances
@@ -344,3 +328,26 @@ def published(model: Model, given: dict[str, Column], count: int) -> tuple[Sourc
         words = f"Cramer 1993: 300 ppm, or where it is more, the {words}"
     law_words = "law of the speed of sound" + (", humidity not recorded" if humid is None else "")
     return replace(of_law(0.0, words), words=law_words), np.broadcast_to(half, (count,))
+
+
+def some_rows(observations: Observations, places: NDArray[np.int64] | slice) -> Observations:
+    """The observations of some rows."""
+
+    def of(columns: Mapping[str, Any]) -> dict[str, Any]:
+        return {name: values[places] for name, values in columns.items()}
+
+    def optional(values: Any) -> Any:
+        return None if values is None else values[places]
+
+    return replace(
+        observations,
+        echo_time=observations.echo_time[places],
+        conditions=of(observations.conditions),
+        reference_distance=optional(observations.reference_distance),
+        unusable=observations.unusable[places],
+        reading=optional(observations.reading),
+        time=optional(observations.time),
+        labels=of(observations.labels),
+        extra=of(observations.extra),
+        thermometers=of(observations.thermometers),
+    )

@@ -4,30 +4,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-__all__ = ["INSTRUMENTS", "TAPES", "Limits"]
-
-Column = NDArray[np.float64]
+from echocal.arrays import Column
 
 
 @dataclass(frozen=True)
 class Limits:
     """Limits of error of an instrument: its error is within them, and nothing more is known.
-
-    Attributes
-    ----------
-    name : str
-        As people call the instrument.
-    quantity : str
-        What it measures.
-    ranges : tuple of (float, float, float)
-        Lower end, upper end and half-width of the limits there [SI, temperatures in degC and K]; the first
-        range that holds a value counts.
-    resolution : float
-        Step of its indication [SI]; 0 where it is not stated.
-    source : str
-        Where the limits are from.
 
     Examples
     --------
@@ -35,11 +18,13 @@ class Limits:
     [0.5, 2.0, nan]
     """
 
-    name: str
-    quantity: str
+    name: str  # as people call the instrument
+    quantity: str  # what it measures
     ranges: tuple[tuple[float, float, float], ...]
-    resolution: float
-    source: str
+    """Lower end, upper end and half-width of the limits there [SI, temperatures in degC and K]; the first
+    range that holds a value counts."""
+    resolution: float  # step of its indication [SI]; 0 where it is not stated
+    source: str  # where the limits are from
 
     def half_width(self, values: object) -> Column:
         """Half-width of the limits at some values [SI]; NaN outside of the ranges."""

@@ -5,8 +5,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from echocal.arrays import Column
 from echocal.budget.entries import Entry, Itemized, conditions_of, values_of
 from echocal.budget.sources import ECHOES
 from echocal.errors import DomainWarning, ModelError
@@ -14,9 +14,6 @@ from echocal.model import Model
 from echocal.observations import Observations
 from echocal.quantities import QUANTITIES
 
-__all__ = ["MonteCarlo", "simulated"]
-
-Column = NDArray[np.float64]
 Random = np.random.Generator
 
 _AGAIN = 100  # times that parameters beyond their bounds are drawn again
@@ -24,27 +21,15 @@ _AGAIN = 100  # times that parameters beyond their bounds are drawn again
 
 @dataclass(frozen=True)
 class MonteCarlo:
-    """Distribution of each distance, as drawn.
-
-    Attributes
-    ----------
-    trials : int
-    mean : ndarray, shape (n,)
-        [m].
-    standard_uncertainty : ndarray, shape (n,)
-        Standard deviation of the draws [m].
-    low, high : ndarray, shape (n,)
-        Ends of the probabilistically symmetric coverage interval [m].
-    drawn_again : int
-        Draws of parameters that were beyond their bounds, and were replaced.
-    """
+    """Distribution of each distance, as drawn."""
 
     trials: int
-    mean: Column
-    standard_uncertainty: Column
+    mean: Column  # [m]; shape (n,)
+    standard_uncertainty: Column  # standard deviation of the draws [m]; shape (n,)
+    # low, high: ends of the probabilistically symmetric coverage interval [m]; shape (n,)
     low: Column
     high: Column
-    drawn_again: int = 0
+    drawn_again: int = 0  # draws of parameters that were beyond their bounds, and were replaced
 
 
 def simulated(
@@ -57,20 +42,9 @@ def simulated(
 ) -> MonteCarlo:
     """Draw every input quantity from its distribution, and compute the distances anew.
 
-    The echo time, the influence quantities and the parameters go through the whole model. What a model
-    or a tape adds to a distance (residual, term without a cause, law, tape) is added to it.
-
-    Parameters
-    ----------
-    observations : Observations, of n rows
-    model : Model
-    found : Itemized
-        The entries of the budget of these rows.
-    trials : int
-        Number of draws.
-    coverage : float
-        Coverage probability of the interval.
-    random : numpy.random.Generator
+    The echo time, the influence quantities and the parameters go through the whole model. What a model or a
+    tape adds to a distance (residual, term without a cause, law, tape) is added to it. `found` has the
+    entries of the budget of these rows, and `coverage` is the probability of the interval.
     """
     drawn = {
         id(entry): _drawn(entry, trials, random) for entry in found.entries if entry.group != "parameters"

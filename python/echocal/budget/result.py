@@ -7,14 +7,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from echocal.arrays import Column
 from echocal.budget.coverage import coverage_factor
 from echocal.budget.entries import Entry, Itemized
 from echocal.budget.monte_carlo import MonteCarlo
 from echocal.shown import Shown
-
-__all__ = ["Budget"]
-
-Column = NDArray[np.float64]
 
 
 @dataclass(frozen=True, repr=False)

@@ -4,13 +4,9 @@ from dataclasses import dataclass
 from math import inf
 
 import numpy as np
-from numpy.typing import NDArray
 
+from echocal.arrays import Column
 from echocal.budget.instruments import TAPES, Limits
-
-__all__ = ["ECHOES", "LAW", "TAPE", "Source", "of_instrument", "of_law", "of_step", "of_tape"]
-
-Column = NDArray[np.float64]
 
 ECHOES = ("echo_time", "reading")
 LAW = "speed_of_sound"

@@ -12,8 +12,6 @@ from echocal.errors import UsageError, among
 from echocal.keywords import keyword
 from echocal.observations.units import NAMES
 
-__all__ = ["PUBLISHED", "Uncertainties"]
-
 PUBLISHED = {"law": "published"}
 """What stands for the published uncertainty of the model's law."""
 
@@ -31,28 +29,19 @@ _OTHERS = (*INSTRUMENTS, "tape", *_STEPS, _LAW, "law")
 
 @dataclass(frozen=True)
 class Uncertainties:
-    """What the user states of the uncertainty of recorded or assumed values.
-
-    Attributes
-    ----------
-    stated : mapping of str to float
-        Standard uncertainties by name of the quantity, or ``echo_time`` [s] or ``reading`` [m]; in SI units,
-        temperatures in K. They are independent of each other and of the parameters of the model.
-    instruments : mapping of str to str
-        Instruments by their names: ``{"thermometer": "DHT22", "tape": "II", "timer_us": "4"}``.
-    """
+    """What the user states of the uncertainty of recorded or assumed values."""
 
     stated: Mapping[str, float] = field(default_factory=dict)
+    """Standard uncertainties by name of the quantity, or ``echo_time`` [s] or ``reading`` [m]; in SI
+    units, temperatures in K. They are independent of each other and of the parameters of the model."""
     instruments: Mapping[str, str] = field(default_factory=dict)
+    """Instruments by their names: ``{"thermometer": "DHT22", "tape": "II", "timer_us": "4"}``."""
 
     @classmethod
     def of(cls, texts: Sequence[str] | Mapping[str, Any]) -> "Uncertainties":
         """From texts such as ``temperature_C=0.5`` or ``thermometer=DHT22``, or the same as a mapping.
 
-        Raises
-        ------
-        UsageError
-            If a name or a number cannot be understood, or one uncertainty would count twice.
+        Raises `UsageError` if a name or a number cannot be understood, or one uncertainty would count twice.
 
         Examples
         --------
@@ -67,15 +56,13 @@ class Uncertainties:
         for name, value in pairs:
             if name in _OTHERS:
                 if name in instruments:
-                    message = f"{keyword('uncertainties')} states {name} twice; state it once"
-                    raise UsageError(message)
+                    raise UsageError(f"{keyword('uncertainties')} states {name} twice; state it once")
                 instruments[name] = _known(name, value)
                 continue
             quantity, size = _number(name, value)
             if quantity in stated:
                 twice = quantity.replace("_", " ")
-                message = f"{keyword('uncertainties')} states {twice} twice; state it once"
-                raise UsageError(message)
+                raise UsageError(f"{keyword('uncertainties')} states {twice} twice; state it once")
             stated[quantity] = size
         _refuse_twice(stated, instruments)
         return cls(stated, instruments)
@@ -90,10 +77,7 @@ class Uncertainties:
     def with_conditions(cls, own: Any, conditions: Mapping[str, float]) -> "Uncertainties":
         """What is stated, and standard uncertainties [SI] of stated conditions where it says nothing else.
 
-        Raises
-        ------
-        UsageError
-            If a condition is stated, and an instrument as well that would have measured it.
+        Raises `UsageError` if a condition is stated, and an instrument as well that would have measured it.
 
         Examples
         --------
@@ -137,11 +121,10 @@ def _refuse_twice(stated: Mapping[str, float], instruments: Mapping[str, str]) -
     for name, value in instruments.items():
         own, what = f"{name}={value}", _limited(name, value)
         if what and told.setdefault(what, own) != own:
-            message = (
+            raise UsageError(
                 f"{keyword('uncertainties')} has the error of the {what.replace('_', ' ')} twice, by "
                 f"{told[what]} and by {own}, and both would count; leave one of them out"
             )
-            raise UsageError(message)
 
 
 def _limited(name: str, value: str) -> str:
@@ -162,12 +145,10 @@ def _known(name: str, value: Any) -> str:
                 return text
         except ValueError:
             pass
-        message = f"{stating} is no size; give a number >= 0"
-        raise UsageError(message)
+        raise UsageError(f"{stating} is no size; give a number >= 0")
     found = {own.upper(): own for own in names}.get(text.upper())
     if found is None:
-        message = f"{stating}: no such {name}{among(text.upper(), list(names), 'there are')}"
-        raise UsageError(message)
+        raise UsageError(f"{stating}: no such {name}{among(text.upper(), list(names), 'there are')}")
     return found
 
 
@@ -178,26 +159,26 @@ def _number(name: str, value: Any) -> tuple[str, float]:
     ]
     if name not in names:
         known = among(name, [*_OTHERS, *names], "there are")
-        message = f"{keyword('uncertainties', {name: value})} names no quantity with its unit{known}"
-        raise UsageError(message)
+        raise UsageError(f"{keyword('uncertainties', {name: value})} names no quantity with its unit{known}")
     form, symbol = NAMES[name]
     unit = form.units[symbol]
     stating = keyword("uncertainties", {name: value})
     try:
         size = float(value) * unit.numerator / unit.denominator
     except ValueError:
-        message = f"{keyword('uncertainties', [f'{name}={value}'])} is not of the form NAME=VALUE; e.g. "
-        message += "temperature_C=0.5"
-        raise UsageError(message) from None
+        raise _no_pair(f"{name}={value}") from None
     if not 0.0 <= size < np.inf:
-        message = f"{stating} is no standard uncertainty; give a number >= 0"
-        raise UsageError(message)
+        raise UsageError(f"{stating} is no standard uncertainty; give a number >= 0")
     return form.quantity, size
 
 
 def _pair(text: str) -> tuple[str, str]:
     name, equals, value = text.partition("=")
     if not equals:
-        message = f"{keyword('uncertainties', [text])} is not of the form NAME=VALUE; e.g. temperature_C=0.5"
-        raise UsageError(message)
+        raise _no_pair(text)
     return name.strip(), value
+
+
+def _no_pair(text: str) -> UsageError:
+    told = keyword("uncertainties", [text])
+    return UsageError(f"{told} is not of the form NAME=VALUE; e.g. temperature_C=0.5")

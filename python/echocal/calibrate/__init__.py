@@ -1,6 +1,5 @@
 """Calibration: parameters from measured data, with covariance and standard uncertainties."""
 
-from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -10,7 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from echocal._verb import callable_as
-from echocal.calibrate.problem import LOSSES, Column, Columns, Form, Parameter, Problem, solve
+from echocal.arrays import Column
+from echocal.calibrate.problem import LOSSES, Columns, Form, Parameter, Problem, solve
 from echocal.calibrate.regression import Chain, Regression
 from echocal.calibrate.result import Calibration, Estimate, Prediction
 from echocal.errors import DataError, UsageError
@@ -97,11 +97,9 @@ def calibrate(
     form = _form(model, fit)
     observations = observed(observations, calibrate, table, model.law if isinstance(model, Model) else "")
     if loss not in LOSSES:
-        message = f"unknown loss '{loss}'; known: {', '.join(LOSSES)}"
-        raise UsageError(message)
+        raise UsageError(f"unknown loss '{loss}'; known: {', '.join(LOSSES)}")
     if loss_scale is not None and not 0.0 < loss_scale < np.inf:
-        message = f"loss_scale must be finite and above 0, but is {loss_scale:g}"
-        raise UsageError(message)
+        raise UsageError(f"loss_scale must be finite and above 0, but is {loss_scale:g}")
     parameters = _bounded(form.parameters, bounds or {})
     used = observations.usable
     sigma = _sigma(standard_uncertainty, len(observations))
@@ -132,7 +130,11 @@ def calibrate(
         residuals=residuals,
         residual_standard_deviation=solution.residual_standard_deviation,
         r_squared=_r_squared(response[used], residuals[used], centered=form.has_intercept),
-        rows=_rows(observations),
+        rows={
+            "total": len(observations),
+            "used": int(used.sum()),
+            "unusable": observations.unusable_counts,
+        },
         loss=loss,
         model=form.fitted(solution.values, covariance),
         notes=tuple(sentences(observations.stated)),
@@ -147,7 +149,7 @@ def calibrate(
     return found
 
 
-def _step(observations: Observations, distance: NDArray[np.float64]) -> float:
+def _step(observations: Observations, distance: Column) -> float:
     """Step of the readings, or of the echo times as a distance [m]; 0 where they have none."""
     values = observations.echo_time if observations.reading is None else observations.reading
     grid = find_grid(values[observations.usable])
@@ -160,12 +162,10 @@ def _form(model: Model | Form, fit: Sequence[str] | None) -> Form:
             message = f"calibrate begins with a Model, got {model!r}; Model('cramer'), or Model.load(path)"
             raise UsageError(message)
         if fit is not None:
-            message = "fit= names parameters of a physical model; this form fits all of its own"
-            raise UsageError(message)
+            raise UsageError("fit= names parameters of a physical model; this form fits all of its own")
         return model
     if fit is None or isinstance(fit, str):
-        message = f"say what to fit as a list, e.g. fit=['zero_error.offset']; got {fit!r}"
-        raise UsageError(message)
+        raise UsageError(f"say what to fit as a list, e.g. fit=['zero_error.offset']; got {fit!r}")
     return Chain(model, fit)
 
 
@@ -173,29 +173,26 @@ def _bounded(parameters: Sequence[Parameter], bounds: Mapping[str, tuple[float, 
     names = [parameter.name for parameter in parameters]
     for name, (low, high) in bounds.items():
         if name not in names or not low < high:
-            message = (
+            raise UsageError(
                 f"bounds of '{name}' ({low:g}, {high:g}): want low < high, for one of {', '.join(names)}"
             )
-            raise UsageError(message)
     return [replace(p, bounds=bounds.get(p.name, p.bounds)) for p in parameters]
 
 
 def _sigma(given: ArrayLike | None, rows: int) -> Column | None:
     if given is None:
         return None
-    sigma: NDArray[np.float64] = np.asarray(given, dtype=np.float64)
+    sigma: Column = np.asarray(given, dtype=np.float64)
     if sigma.shape not in ((), (rows,)) or not np.all(sigma > 0.0):
         got = f"{float(sigma):g}" if sigma.ndim == 0 else f"shape {sigma.shape}"
-        message = f"standard_uncertainty wants one positive number or {rows} of them; got {got}"
-        raise UsageError(message)
+        raise UsageError(f"standard_uncertainty wants one positive number or {rows} of them; got {got}")
     return np.broadcast_to(sigma, (rows,))
 
 
 def _require_rows(rows: int, parameters: int, *, known: bool) -> None:
     enough = parameters if known else parameters + 1
     if rows < enough:
-        message = f"{parameters} parameters need at least {enough} usable rows; the data has {rows}"
-        raise DataError(message)
+        raise DataError(f"{parameters} parameters need at least {enough} usable rows; the data has {rows}")
 
 
 def _require_numbers(columns: Columns, used: NDArray[np.bool_]) -> None:
@@ -210,8 +207,3 @@ def _require_numbers(columns: Columns, used: NDArray[np.bool_]) -> None:
 def _r_squared(observed: Column, residuals: Column, *, centered: bool) -> float:
     total = observed - observed.mean() if centered else observed
     return float(1.0 - residuals @ residuals / (total @ total))
-
-
-def _rows(observations: Observations) -> dict[str, Any]:
-    reasons = Counter(str(reason) for reason in observations.unusable if reason)
-    return {"total": len(observations), "used": int(observations.usable.sum()), "unusable": dict(reasons)}

@@ -7,13 +7,12 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from echocal.arrays import Column
 from echocal.errors import ModelError
 from echocal.observations import Observations
 
-__all__ = ["LOSSES", "Column", "Columns", "Form", "Parameter", "Problem", "psi", "robust_scale", "solve"]
-
-Column = NDArray[np.float64]
 Columns = Mapping[str, Column]
+Matrix = NDArray[np.float64]
 SETTLE = 3  # rounds in which robust values and their scale settle together
 
 
@@ -67,19 +66,16 @@ class Form(Protocol):
     def columns(self, observations: Observations) -> Columns:
         """Return what the prediction reads, by name, each of shape (n,)."""
 
-    def evaluate(self, values: Column, columns: Columns) -> tuple[Column, NDArray[np.float64]]:
+    def evaluate(self, values: Column, columns: Columns) -> tuple[Column, Matrix]:
         """Return the prediction (n,) and its exact derivatives (n, p) at these values."""
 
-    def fitted(self, values: Column, covariance: NDArray[np.float64]) -> Any:
+    def fitted(self, values: Column, covariance: Matrix) -> Any:
         """Return the object that holds what was found: a `Model`, a `Regression`."""
 
 
-Array = NDArray[np.float64]
-Loss = Callable[[Array], Array]
+Loss = Callable[[Column], Column]
 
 TOLERANCE = 1e-12  # of cost, step and gradient; the last digits come from `polish`
-
-Matrix = NDArray[np.float64]
 
 
 @dataclass
@@ -180,16 +176,16 @@ class Problem:
         return values
 
 
-def _linear(z: Array) -> Array:
+def _linear(z: Column) -> Column:
     return np.stack([z, np.ones_like(z), np.zeros_like(z)])
 
 
-def _soft_l1(z: Array) -> Array:
+def _soft_l1(z: Column) -> Column:
     t = 1.0 + z
     return np.stack([2.0 * (np.sqrt(t) - 1.0), t**-0.5, -0.5 * t**-1.5])
 
 
-def _huber(z: Array) -> Array:
+def _huber(z: Column) -> Column:
     inner = z <= 1.0
     t = np.where(inner, 1.0, z)
     return np.stack(
@@ -201,7 +197,7 @@ def _huber(z: Array) -> Array:
     )
 
 
-def _cauchy(z: Array) -> Array:
+def _cauchy(z: Column) -> Column:
     t = 1.0 + z
     return np.stack([np.log1p(z), 1.0 / t, -1.0 / t**2])
 
@@ -210,14 +206,14 @@ LOSSES: dict[str, Loss] = {"linear": _linear, "soft_l1": _soft_l1, "huber": _hub
 """rho, rho' and rho'' of the squared scaled residual, shape (3, n), as scipy takes them."""
 
 
-def psi(loss: str, residuals: Array, scale: float) -> tuple[Array, Array]:
+def psi(loss: str, residuals: Column, scale: float) -> tuple[Column, Column]:
     """First and second derivative of the cost to each residual, each of shape (n,)."""
     z = (residuals / scale) ** 2
     _, first, second = LOSSES[loss](z)
     return first * residuals, first + 2.0 * second * z
 
 
-def robust_scale(residuals: Array, parameters: int) -> float:
+def robust_scale(residuals: Column, parameters: int) -> float:
     """Standard deviation from the median absolute residual, corrected for the parameters.
 
     The factor 1.4826 = 1 / Phi^-1(3/4) makes it the standard deviation of a normal distribution.
@@ -231,7 +227,7 @@ class Solution:
     """Where the search ended; residuals are predicted minus observed, in the response's unit."""
 
     values: Column
-    covariance: NDArray[np.float64]
+    covariance: Matrix
     residuals: Column
     residual_standard_deviation: float
 
@@ -239,24 +235,8 @@ class Solution:
 def solve(problem: Problem, loss: str, loss_scale: float | None) -> Solution:
     """Find the values and propagate the scatter to their covariance.
 
-    Parameters
-    ----------
-    problem : Problem
-        What is fitted, to which rows.
-    loss : str
-        One of `echocal.calibrate.problem.LOSSES`.
-    loss_scale : float or None
-        Residual at which the loss turns robust; None takes it from the residuals.
-
-    Returns
-    -------
-    Solution
-        Values, covariance, residuals and their standard deviation.
-
-    Raises
-    ------
-    ModelError
-        If the rows cannot identify a parameter.
+    `loss_scale` is the residual at which the loss turns robust; None takes it from the residuals. Raises
+    `ModelError` if the rows cannot identify a parameter.
     """
     values = problem.first()
     _require_rank(problem.jacobian(values), problem.parameters)
@@ -285,7 +265,7 @@ def _deviation(residuals: Column, parameters: int, loss: str) -> float:
     return float(np.sqrt(residuals @ residuals / degrees))
 
 
-def _covariance(matrix: NDArray[np.float64], deviation: float) -> NDArray[np.float64]:
+def _covariance(matrix: Matrix, deviation: float) -> Matrix:
     """Covariance of least squares (GUM H.3): the inverse of the normal matrix, from its square root."""
     norms = np.linalg.norm(matrix, axis=0)
     _, singular, axes = np.linalg.svd(matrix / norms, full_matrices=False)
@@ -293,7 +273,7 @@ def _covariance(matrix: NDArray[np.float64], deviation: float) -> NDArray[np.flo
     return np.asarray(root @ root.T / np.outer(norms, norms))
 
 
-def _sandwich(matrix: NDArray[np.float64], first: Column, second: Column) -> NDArray[np.float64]:
+def _sandwich(matrix: Matrix, first: Column, second: Column) -> Matrix:
     """Covariance of an M-estimate (Huber 1981, 7.6), from the cost's derivatives."""
     norms = np.linalg.norm(matrix, axis=0)
     scaled = matrix / norms
@@ -303,7 +283,7 @@ def _sandwich(matrix: NDArray[np.float64], first: Column, second: Column) -> NDA
     return np.asarray(bread @ meat @ bread / np.outer(norms, norms))
 
 
-def _require_rank(matrix: NDArray[np.float64], parameters: Sequence[Parameter]) -> None:
+def _require_rank(matrix: Matrix, parameters: Sequence[Parameter]) -> None:
     """Raise `ModelError` with the names of the parameters that the rows cannot separate."""
     norms = np.linalg.norm(matrix, axis=0)
     names = [parameter.name for parameter in parameters]
@@ -315,8 +295,7 @@ def _require_rank(matrix: NDArray[np.float64], parameters: Sequence[Parameter]) 
     if singular[-1] > max(matrix.shape) * np.finfo(float).eps * singular[0]:
         return
     together = [name for name, part in zip(names, axes[-1], strict=True) if abs(part) > 0.05]
-    message = (
+    raise ModelError(
         f"cannot identify {' and '.join(together)}: on these rows they act alike; fit one of them, "
         "or measure at more distances or under other conditions"
     )
-    raise ModelError(message)

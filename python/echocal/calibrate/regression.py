@@ -4,18 +4,16 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from echocal import _core
-from echocal.calibrate.problem import Column, Columns, Parameter
+from echocal.arrays import Column
+from echocal.calibrate.problem import Columns, Matrix, Parameter
 from echocal.conditions import columns as broadcast
 from echocal.errors import DataError, UsageError, among
 from echocal.model import Model
 from echocal.observations import Observations
 from echocal.quantities import FROM_THERMOMETERS, QUANTITIES
 from echocal.registry import find_effect
-
-__all__ = ["Chain", "Regression", "indication"]
 
 LAW = {"law.intercept": ("speed_intercept", "intercept"), "law.slope": ("speed_slope", "slope")}
 """A law's coefficient moves as the effect that deviates nature's law from the device's."""
@@ -68,8 +66,7 @@ class Regression:
     def __post_init__(self) -> None:
         repeated = {term for term in self.terms if list(self.terms).count(term) > 1}
         if not self.terms or repeated:
-            message = f"a regression needs distinct terms; got {list(self.terms)}"
-            raise UsageError(message)
+            raise UsageError(f"a regression needs distinct terms; got {list(self.terms)}")
 
     @classmethod
     def polynomial(
@@ -89,8 +86,7 @@ class Regression:
             Law that turns echoes into indications.
         """
         if not isinstance(degree, int) or degree < 0:
-            message = f"degree is {degree!r}; give a whole number of 0 or more"
-            raise UsageError(message)
+            raise UsageError(f"degree is {degree!r}; give a whole number of 0 or more")
         powers = [column if power == 1 else f"{column}^{power}" for power in range(1, degree + 1)]
         return cls(("1", *powers), response, law)
 
@@ -136,7 +132,7 @@ class Regression:
         names = {name for term in self.terms for name, _ in _factors(term)}
         return {name: _column(observations, name) for name in sorted(names)}
 
-    def evaluate(self, values: Column, columns: Columns) -> tuple[Column, NDArray[np.float64]]:
+    def evaluate(self, values: Column, columns: Columns) -> tuple[Column, Matrix]:
         """Return the prediction and its derivatives, which are the terms themselves."""
         columns = {name: np.asarray(column, dtype=np.float64) for name, column in columns.items()}
         shape = np.broadcast_shapes(*(column.shape for column in columns.values()))
@@ -151,7 +147,7 @@ class Regression:
         jacobian = np.stack(products, axis=-1)
         return jacobian @ values, jacobian
 
-    def fitted(self, values: Column, covariance: NDArray[np.float64]) -> "Regression":
+    def fitted(self, values: Column, covariance: Matrix) -> "Regression":
         """Return the regression with these coefficients."""
         return replace(self, values=tuple(values.tolist()))
 
@@ -177,26 +173,16 @@ def _column(observations: Observations, name: str) -> Column:
     if observations.reference_distance is not None:
         known["distance"] = observations.reference_distance
     if name not in known:
-        message = f"the table has no column '{name}'{among(name, known)}"
-        raise DataError(message)
+        raise DataError(f"the table has no column '{name}'{among(name, known)}")
     return known[name]
 
 
 class Chain:
     """A `Model` with some of its parameters free.
 
-    Parameters
-    ----------
-    model : Model
-        The model; its own values are where the search begins.
-    fit : iterable of str
-        ``"fixed_delay.delay"``, ``"fixed_delay"`` for all its parameters, ``"law.intercept"``
-        and ``"law.slope"`` where the law is linear. An effect that the model lacks is added.
-
-    Raises
-    ------
-    UsageError
-        If a name is unknown or repeated, or the law has no such coefficient.
+    `fit` names parameters as in `echocal.calibrate`; an effect that the model lacks is added. The values of
+    the model are where the search begins. Raises `UsageError` if a name is unknown or repeated, or the law
+    has no such coefficient.
     """
 
     unit = "m"
@@ -208,8 +194,7 @@ class Chain:
         self.model = model
         self.names = [name for request in fit for name in _expand(request)]
         if not self.names or len(set(self.names)) < len(self.names):
-            message = f"fit needs distinct parameters, e.g. ['zero_error.offset']; got {self.names}"
-            raise UsageError(message)
+            raise UsageError(f"fit needs distinct parameters, e.g. ['zero_error.offset']; got {self.names}")
         self._law = self._coefficients() if LAW.keys() & set(self.names) else {}
         self._keys = [LAW.get(name, tuple(name.split("."))) for name in self.names]
         self.parameters = [self._parameter(name) for name in self.names]
@@ -227,8 +212,7 @@ class Chain:
         """Return the reference distance and the recorded conditions, checked against the model."""
         distance = observations.reference_distance
         if distance is None:
-            message = "calibration needs a reference distance; add a column distance_m, _cm or _mm"
-            raise DataError(message)
+            raise DataError("calibration needs a reference distance; add a column distance_m, _cm or _mm")
         used = observations.usable
         self._columns = {**self._only_thermometer(observations), **self._columns}
         self._extended = Model(
@@ -244,7 +228,7 @@ class Chain:
         names = list(observations.thermometers)
         return {} if len(names) != 1 else dict.fromkeys(FROM_THERMOMETERS, names[0])
 
-    def evaluate(self, values: Column, columns: Columns) -> tuple[Column, NDArray[np.float64]]:
+    def evaluate(self, values: Column, columns: Columns) -> tuple[Column, Matrix]:
         """Return the indication [m] and the core's exact derivatives."""
         effects = [(id_, list(own.items())) for id_, own in self._effects(values).items()]
         core = _core.Model(self.model.law, effects)
@@ -253,7 +237,7 @@ class Chain:
         derivatives = core.jacobian(distance, rest)[:, self._picked]
         return core.indicate(distance, rest).reshape(shape), derivatives.reshape(*shape, -1)
 
-    def fitted(self, values: Column, covariance: NDArray[np.float64]) -> Model:
+    def fitted(self, values: Column, covariance: Matrix) -> Model:
         """Return the model with these values and their covariance; coefficients go into the law."""
         effects = self._effects(values)
         moved = {name: float(value) for name, value in zip(self.names, values, strict=True) if name in LAW}
@@ -283,8 +267,7 @@ class Chain:
     def _parameter(self, name: str) -> Parameter:
         effect, parameter = self._keys[self.names.index(name)]
         if name in LAW and effect in self.model.effects:
-            message = f"cannot fit '{name}': the model already has {effect}, which acts alike"
-            raise UsageError(message)
+            raise UsageError(f"cannot fit '{name}': the model already has {effect}, which acts alike")
         facts = next(p for p in find_effect(effect).parameters if p.name == parameter)
         value = self.model.effects.get(effect, {}).get(parameter, facts.neutral)
         shift = self._law.get(name, 0.0)
@@ -307,6 +290,5 @@ def _expand(request: str) -> list[str]:
     id_, _, parameter = request.partition(".")
     names = list(LAW) if id_ == "law" else [f"{id_}.{facts.name}" for facts in find_effect(id_).parameters]
     if parameter and request not in names:
-        message = f"cannot fit '{request}'; {id_} has: {', '.join(names)}"
-        raise UsageError(message)
+        raise UsageError(f"cannot fit '{request}'; {id_} has: {', '.join(names)}")
     return [request] if parameter else names

@@ -7,14 +7,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from echocal.calibrate.problem import Column, Form, Parameter
+from echocal.arrays import Column
+from echocal.calibrate.problem import Form, Parameter
 from echocal.concise import concise
 from echocal.conditions import numbers
 from echocal.errors import DataError, UsageError
 from echocal.model import Model
 from echocal.shown import Shown
-
-__all__ = ["Calibration", "Estimate", "Prediction"]
 
 
 @dataclass(frozen=True)
@@ -143,8 +142,7 @@ class Calibration(Shown):
 
     def __getitem__(self, name: str) -> Estimate:
         if name not in self.names:
-            message = f"'{name}' was not fitted; fitted: {', '.join(self.names)}"
-            raise UsageError(message)
+            raise UsageError(f"'{name}' was not fitted; fitted: {', '.join(self.names)}")
         return list(self)[self.names.index(name)]
 
     def __iter__(self) -> Iterator[Estimate]:
@@ -208,8 +206,7 @@ class Calibration(Shown):
             broadcast = dict(zip(arrays, np.broadcast_arrays(*arrays.values()), strict=True))
         except ValueError:
             shapes = ", ".join(f"{name} {column.shape}" for name, column in arrays.items())
-            message = f"shapes do not broadcast: {shapes}"
-            raise UsageError(message) from None
+            raise UsageError(f"shapes do not broadcast: {shapes}") from None
         try:
             return self.form.evaluate(self.values, broadcast)
         except KeyError as absent:

@@ -3,23 +3,13 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from echocal.arrays import Column
 from echocal.charts.parts import MOST, Axis, Chart, Line, Panel, Points, Rug, evenly, span
 from echocal.diagnose import Diagnosis
 from echocal.diagnose.findings.parts import Traces
 from echocal.diagnose.findings.sentences import Recorded, most_correlated, shown, spoken
 from echocal.diagnose.preprocess.hold_out import HELD_OUT_ROW
 from echocal.diagnose.results.fates import USED
-
-__all__ = [
-    "column_chart",
-    "distance_chart",
-    "drawn_columns",
-    "left_out_chart",
-    "over_chart",
-    "time_chart",
-    "truth_chart",
-]
-
 
 ERROR = "reading minus reference [mm]"
 """What an error is: the label of its axis. The level stands for a reference that is not known."""
@@ -35,8 +25,6 @@ _REPEATED = 0.999  # correlation with a column that is drawn, beyond which a fur
 _FINER = 0.2  # part of the error, below which a scale of its own is needed to see it
 _MIDDLE = (0.5, 99.5)  # percentiles between which the errors are drawn
 _ROOM = 0.25
-
-Column = NDArray[np.float64]
 
 _MINUTE = 60.0  # s
 _DAY = 86400.0  # s
@@ -166,11 +154,6 @@ def by_correlation(diagnosis: Diagnosis) -> list[str]:
     """Columns that vary, those first that the change by the model (or the residual) follows most.
 
     The first one is the column that a sentence about the whole change would name.
-
-    Returns
-    -------
-    list of str
-        Names in ``diagnosis.traces.against``.
     """
     traces = diagnosis.traces
     changed = traces.before - traces.after
@@ -182,13 +165,7 @@ def by_correlation(diagnosis: Diagnosis) -> list[str]:
 
 
 def drawn_columns(diagnosis: Diagnosis, most: int) -> list[str]:
-    """The first columns by correlation, without those that repeat another one; time wherever it is recorded.
-
-    Parameters
-    ----------
-    most : int
-        Number of columns, 1 at least.
-    """
+    """The first columns by correlation, without repeated ones; time wherever it is recorded."""
     against = diagnosis.traces.against
     every = by_correlation(diagnosis)
     if "time" in every and "row" in every:

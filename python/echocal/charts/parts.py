@@ -7,8 +7,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["MOST", "Axis", "Bar", "Bars", "Chart", "Line", "Panel", "Points", "Rug", "evenly", "span"]
-
 Column = NDArray[np.floating[Any]]
 
 MOST = 2000

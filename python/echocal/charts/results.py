@@ -15,17 +15,6 @@ from echocal.diagnose.results.grouped import LEAST, Group, has_any, in_common, r
 from echocal.observations.inspection import ColumnFacts, Inspection
 from echocal.verify import Verification
 
-__all__ = [
-    "columns_chart",
-    "counts_chart",
-    "errors_chart",
-    "gain_chart",
-    "posterior_chart",
-    "residual_chart",
-    "sizes_chart",
-    "verdicts_chart",
-]
-
 _MM = 1e3  # mm in a meter
 _INTERVAL = 1.96  # standard uncertainties
 _MOST = 15  # causes that are drawn
@@ -54,7 +43,7 @@ def errors_chart(found: Verification) -> Bars:
             name,
             _MM * abs(error),
             f"{_MM * error:{sign}.3g} mm",
-            "out" if _is_beyond(error, found) else "after",
+            "out" if abs(error) > found.maximum_permissible_error else "after",
         )
         for name, (error, sign) in texts.items()
     ]
@@ -67,10 +56,6 @@ def columns_chart(found: Inspection) -> Chart | None:
     """Each column of numbers over the rows; None where there is none."""
     panels = [_column(found.table, one) for one in found.columns if one.median is not None]
     return Chart("", Axis("row", 0.0, found.rows + 1.0), panels) if panels else None
-
-
-def _is_beyond(error: float, found: Verification) -> bool:
-    return abs(error) > found.maximum_permissible_error
 
 
 def _column(table: pd.DataFrame, one: ColumnFacts) -> Panel:

@@ -18,14 +18,12 @@ from echocal.engines.worker import check_workers
 from echocal.errors import UsageError
 from echocal.keywords import keyword
 from echocal.model import Model
+from echocal.model.document import to_plain
 from echocal.model.folder import ModelFolder
-from echocal.model.plain import to_plain
 from echocal.objects import is_url
 from echocal.observations.given import READ_OPTIONS, refuse_keywords
 from echocal.observations.layout import Layout
 from echocal.places import place_of, size_of
-
-__all__ = ["correct_files", "in_bytes", "job_of"]
 
 _SMALL = 64 << 20
 """Bytes of inputs below which starting processes takes longer than the work; judgement."""
@@ -219,8 +217,7 @@ def job_of(
 ) -> dict[str, Any]:
     """The job of all tasks, as plain data."""
     if round_mm is not None and not round_mm > 0.0:
-        message = f"{keyword('round_mm', round_mm)} is no step; give a positive number of millimeters"
-        raise UsageError(message)
+        raise UsageError(f"{keyword('round_mm', round_mm)} is no step; give a positive number of millimeters")
     stated = reading.uncertainties.plain()
     metadata = {"echocal.version": __version__, "echocal.distance_unit": "m"}
     if model is not None:
@@ -258,8 +255,7 @@ def in_bytes(text: int | str) -> int:
     match = re.fullmatch(r"\s*(\d+(?:\.\d+)?)\s*([KMGT]?)i?(B?)\s*", str(text), re.IGNORECASE)
     unit = "" if match is None else (match[2] + (match[3] or ("B" if match[2] else ""))).upper()
     if match is None or unit not in _UNITS:
-        message = f"{keyword('memory', text)} is no amount of memory; e.g. 512MB, 2GB"
-        raise UsageError(message)
+        raise UsageError(f"{keyword('memory', text)} is no amount of memory; e.g. 512MB, 2GB")
     amount = int(float(match[1]) * _UNITS[unit])
     if amount < _LEAST:
         message = f"{keyword('memory', text)} is too little: the libraries alone take {_LEAST >> 20}MB"

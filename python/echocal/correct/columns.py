@@ -10,8 +10,6 @@ from echocal.errors import DataError
 from echocal.observations.arrow import Table, arrow
 from echocal.observations.fields import row
 
-__all__ = ["as_text", "labels_as_text"]
-
 _INDEX = "__index_level_0__"
 
 
@@ -33,7 +31,8 @@ def as_text(table: Table) -> tuple[pd.DataFrame, list[str]]:
             notes.append(f"column '{field.name}' ({field.type}) is written as JSON")
         elif _is_binary(field.type, pa):
             notes.append(f"column '{field.name}' ({field.type}) is written as hexadecimal digits")
-    return pd.DataFrame(columns).set_axis(_names(table), axis="columns"), notes
+    names = with_time(list(table.column_names), table.schema)
+    return pd.DataFrame(columns).set_axis(names, axis="columns"), notes
 
 
 def labels_as_text(notes: dict[bytes, bytes] | None) -> dict[bytes, bytes] | None:
@@ -68,8 +67,7 @@ def _fields(column: Any, name: str, pa: Any) -> Any:
     texts = column.cast(pa.string()).to_pandas().astype(object)
     far = np.flatnonzero(texts.astype(str).str.startswith("<value out of range"))
     if pa.types.is_temporal(kind) and len(far):
-        message = f"column '{name}' has a date at {row(far[0])} that no text can hold; write Parquet"
-        raise DataError(message)
+        raise DataError(f"column '{name}' has a date at {row(far[0])} that no text can hold; write Parquet")
     return texts
 
 
@@ -90,10 +88,9 @@ def _is_binary(kind: Any, pa: Any) -> bool:
     return any(holds(kind) for holds in tests)
 
 
-def _names(table: Table) -> list[str]:
-    """Names of the columns; pandas has an index of times without a name under one of its own."""
-    pa = arrow()
-    names = list(table.column_names)
-    if _INDEX in names and "time" not in names and pa.types.is_timestamp(table.schema.field(_INDEX).type):
+def with_time(names: list[str], schema: Any) -> list[str]:
+    """Names of columns; pandas has an index of times without a name under one of its own."""
+    unnamed = _INDEX in names and "time" not in names
+    if unnamed and arrow().types.is_timestamp(schema.field(names.index(_INDEX)).type):
         names[names.index(_INDEX)] = "time"
     return names

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from echocal.correct.job import Job
 from echocal.correct.needed import Needed, needed, refuse_repeated
 from echocal.correct.rows import Rows, correct_rows, no_distance, whole_log
-from echocal.correct.tables import refuse_corrected
+from echocal.correct.tables import counts, refuse_corrected
 from echocal.domain import counting
 from echocal.errors import DataError, among
 from echocal.keywords import keyword
@@ -25,8 +25,6 @@ from echocal.observations.numbers import Missing
 from echocal.observations.part import Part, Seen
 from echocal.observations.plan import make
 from echocal.quantities import QUANTITIES
-
-__all__ = ["NO_MODEL", "Context", "Corrector", "Tally"]
 
 NO_MODEL = "no model for this key"
 _NO_KEY = "no key"
@@ -62,12 +60,9 @@ class Tally:
 
     def add(self, rows: Rows, parts: Collection[Part]) -> None:
         """Add a part; the parts come in the order of the rows."""
-        counts = np.bincount(rows.codes, minlength=len(rows.reasons)).tolist()
-        for place, (reason, count) in enumerate(zip(rows.reasons, counts, strict=True)):
-            if count and reason:
-                kind = self.unusable if rows.unusable[place] else self.marked
+        for kind, found in zip((self.unusable, self.marked), counts(rows), strict=True):
+            for reason, (count, first) in found.items():
                 kind[reason] = kind.get(reason, 0) + count
-                first = int(np.argmax(rows.codes == place))
                 self.first.setdefault(reason, self.rows + first + 1)
         self.notes |= dict.fromkeys(rows.notes)
         for domain, (count, first, value) in rows.outside.items():
@@ -92,14 +87,8 @@ class Tally:
 class Corrector:
     """Corrects the rows of a table that comes in parts.
 
-    Raises `DataError` if the table was corrected before, or lacks the column of the key.
-
-    Parameters
-    ----------
-    names : collection of str
-        Columns of the table.
-    key : str or None
-        Key of all rows; None: each row has its own, in the column `Models.by`.
+    Raises `DataError` if the table was corrected before, or lacks the column of the key. `key` is that of
+    all rows; None: each row has its own, in the column `Models.by`.
     """
 
     def __init__(self, names: Collection[str], job: Job, key: str | None = None) -> None:
@@ -158,11 +147,6 @@ class Corrector:
         """Rows before and after a row that its marks depend on."""
         return max((own.rows_around for own in self._needed.values()), default=0)
 
-    @property
-    def model(self) -> Model | None:
-        """The model, where all rows have the same."""
-        return None if self.key is None else self._job.models.model(self.key)
-
     def whole_log(self, table: pd.DataFrame) -> tuple[Context, NDArray[np.float64]]:
         """What the parts of a log need to know of it, and the time of each row since its start [s]."""
         keys = [str(self.key)] if not self.by else list(self._needed)
@@ -191,19 +175,17 @@ class Corrector:
         labels = [str(key) for key in distinct]
         self.prepare(labels)
         if self.remembers and self._job.several and self._job.logs != "file":
-            message = (
+            raise DataError(
                 f"the model of this sensor has {', '.join(self.remembers)}, which depends on the other rows "
                 f"of a log, and a log may have several files: write one folder for each sensor "
                 f"({self.by}=...), or say that each file is a whole log: {keyword('logs', 'file')}"
             )
-            raise DataError(message)
         if (self.remembers or self.rows_around) and len(labels) > 1:
-            message = (
+            raise DataError(
                 f"several sensors are in this file, and their models have "
                 f"{', '.join(self.remembers) or 'marks'}, which depends on the other rows of a log; "
                 f"write one file for each {self.by}"
             )
-            raise DataError(message)
         rows_of = np.split(np.argsort(places, kind="stable"), np.cumsum(np.bincount(places))[:-1])
         alike: dict[object, list[int]] = {}
         for place, key in enumerate(labels):
@@ -298,7 +280,7 @@ class Corrector:
 def _scattered(found: list[Rows], orders: list[NDArray[np.intp]]) -> Rows:
     """Rows of several keys in the order of the table."""
     if not found:
-        return Rows(np.zeros(0), np.zeros(0, np.float32), np.zeros(0, np.int16), ("",), (False,), ())
+        return no_distance(0)
     reasons: dict[str, bool] = {"": False}
     for rows in found:
         for reason, lost in zip(rows.reasons, rows.unusable, strict=True):

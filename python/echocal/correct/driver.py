@@ -20,24 +20,12 @@ from echocal.keywords import as_here
 from echocal.objects import Object
 from echocal.places import Place, exists, file_digest, place_of, size_of
 
-__all__ = ["Progress", "Summary", "alone", "question_of", "run", "run_tasks", "task_of"]
-
 _STRAY = re.compile(r"\..+\.[0-9a-f]{16}\.unfinished")
 
 
 @dataclass
 class Progress:
-    """How far a run is.
-
-    Attributes
-    ----------
-    files, of_files : int
-        Files done, and all that have to be done.
-    bytes, of_bytes : int
-        The same in bytes of the inputs.
-    rows : int
-        Rows done.
-    """
+    """How far a run is: what is done, and of how much, in files and in bytes of the inputs."""
 
     of_files: int = 0
     of_bytes: int = 0
@@ -110,16 +98,8 @@ def run(
     """Correct the files of a folder, those that are not done yet; call it within `alone`.
 
     Raises `UsageError` if the folder was begun with another model, it cannot be written, or a worker of the
-    engine would do other work than this process.
-
-    Parameters
-    ----------
-    tasks : mapping of str to dict
-        Task of each file by the place of its output.
-    out : Path or Object
-        Folder of the outputs.
-    force : bool
-        Begin anew where the folder was begun with another model.
+    engine would do other work than this process. `tasks` has the task of each file by the place of its
+    output. With `force` a folder that was begun with another model is begun anew.
     """
     summary = Summary()
     first = next(iter(tasks.values()))
@@ -158,12 +138,8 @@ def run(
 def alone(out: Place) -> Iterator[bool]:
     """Keep other runs out, and remove what killed ones left behind; a store has neither locks nor strays.
 
-    Raises `UsageError` if another run writes the folder.
-
-    Yields
-    ------
-    bool
-        Whether the run before was killed: by one of its files, perhaps.
+    Raises `UsageError` if another run writes the folder. Yields whether the run before was killed: by one of
+    its files, perhaps.
     """
     if isinstance(out, Object):
         yield False
@@ -218,9 +194,6 @@ def _died(task: Mapping[str, Any]) -> dict[str, Any]:
 
 def sweep(out: Path) -> None:
     """Remove what runs left behind that were killed."""
-    for path in _strays(out):
-        path.unlink(missing_ok=True)
-
-
-def _strays(out: Path) -> Iterator[Path]:
-    return (path for path in out.rglob(".*.unfinished") if _STRAY.fullmatch(path.name))
+    for path in out.rglob(".*.unfinished"):
+        if _STRAY.fullmatch(path.name):
+            path.unlink(missing_ok=True)

@@ -10,17 +10,6 @@ from echocal.objects import Object, is_url
 from echocal.observations.source import is_folder
 from echocal.places import Place
 
-__all__ = [
-    "ENDINGS",
-    "PARQUETS",
-    "TEXTS",
-    "Inputs",
-    "Source",
-    "find_inputs",
-    "refuse_ending",
-    "refuse_outputs",
-]
-
 PARQUETS = (".parquet", ".pq")
 TEXTS = (".csv", ".tsv", ".csv.gz", ".tsv.gz")
 ENDINGS = (*TEXTS, *PARQUETS)
@@ -42,8 +31,7 @@ class Source:
         """The file of a disk. Raises `UsageError` if it is an object of a store."""
         if isinstance(self.path, Path):
             return self.path
-        message = f"{self.path} is in an object store, and this command reads files: copy it first"
-        raise UsageError(message)
+        raise UsageError(f"{self.path} is in an object store, and this command reads files: copy it first")
 
     @property
     def partition(self) -> dict[str, str]:
@@ -55,20 +43,12 @@ class Source:
 
 @dataclass(frozen=True)
 class Inputs:
-    """Files to correct.
+    """Files to correct."""
 
-    Attributes
-    ----------
-    files : tuple of Source
-        In the order of their names.
-    single : bool
-        Whether one file was named, so that the output is a file.
-    hidden, unknown : tuple of Path or Object
-        Files that are left out: by a name that begins with ``.`` or ``_``, and by an unknown ending.
-    """
-
-    files: tuple[Source, ...]
-    single: bool
+    files: tuple[Source, ...]  # in the order of their names
+    single: bool  # whether one file was named, so that the output is a file
+    # hidden, unknown: files that are left out: by a name that begins with ``.`` or ``_``, and by an unknown
+    # ending
     hidden: tuple[Place, ...] = field(default=())
     unknown: tuple[Place, ...] = field(default=())
 
@@ -142,16 +122,14 @@ def _sorted_out(found: Iterable[tuple[Place, PurePath]], given: str) -> Inputs:
         else:
             unknown.append(path)
     if not files:
-        message = f"{given} has no file that can be corrected; endings: {', '.join(ENDINGS)}"
-        raise DataError(message)
+        raise DataError(f"{given} has no file that can be corrected; endings: {', '.join(ENDINGS)}")
     return Inputs(tuple(files), False, tuple(hidden), tuple(unknown))
 
 
 def refuse_ending(path: Place) -> None:
     """Raise `UsageError` for an output of an unknown kind."""
     if not path.name.lower().endswith(ENDINGS):
-        message = f"cannot write {path}; endings: {', '.join(ENDINGS)}"
-        raise UsageError(message)
+        raise UsageError(f"cannot write {path}; endings: {', '.join(ENDINGS)}")
 
 
 def refuse_outputs(inputs: Inputs, given: str | Path, out: Place) -> None:
@@ -163,18 +141,15 @@ def refuse_outputs(inputs: Inputs, given: str | Path, out: Place) -> None:
             with writing(out):
                 same = out.exists() and out.samefile(file)
             if same:
-                message = f"{out} is the input itself; choose another output"
-                raise UsageError(message)
+                raise UsageError(f"{out} is the input itself; choose another output")
     if is_url(given) or is_url(out):
         folder = str(given).rstrip("/") + "/"
         if not inputs.single and f"{out}/".startswith(folder):
-            message = f"{out} is or lies in the input itself; choose another output"
-            raise UsageError(message)
+            raise UsageError(f"{out} is or lies in the input itself; choose another output")
         return
     root, out = _fixed(Path(given)) if not is_folder(Path(given)) else Path(given), Path(str(out))
     if not inputs.single and root.resolve() in (out.resolve(), *out.resolve().parents):
-        message = f"{out} is or lies in the input itself; choose another output"
-        raise UsageError(message)
+        raise UsageError(f"{out} is or lies in the input itself; choose another output")
 
 
 def _fixed(path: Path) -> Path:

@@ -7,15 +7,13 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
+from echocal.budget.stated import Uncertainties
 from echocal.correct.rows import Reading
-from echocal.correct.uncertainty import Uncertainties
 from echocal.engines.worker import models_digest
 from echocal.errors import ModelError
 from echocal.model import Model
 from echocal.model.folder import ModelFolder
 from echocal.model.plain import from_plain
-
-__all__ = ["Job", "Models"]
 
 
 @dataclass(frozen=True)
@@ -60,11 +58,10 @@ def _job(text: str, digest: str) -> Job:
     plain = json.loads(text)
     models = plain["models"]
     if models_digest(models) != digest:
-        message = (
+        raise ModelError(
             f"the models {models.get('folder', 'of the task')} are not those that the run was begun with; "
             "every process needs the same files, and they may not change while it runs"
         )
-        raise ModelError(message)
     stated = Uncertainties.from_plain(plain["reading"]["uncertainties"])
     reading = Reading(**{**plain["reading"], "uncertainties": stated})
     one = Models(from_plain(models["model"])) if "model" in models else None

@@ -1,6 +1,6 @@
 """Logs: rows that belong together, in one file or in several, for models that depend on other rows."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -19,23 +19,11 @@ from echocal.model.folder import ModelFolder
 from echocal.objects import Object
 from echocal.places import Place
 
-__all__ = ["LOGS", "Surroundings", "logs_of", "surroundings"]
-
 LOGS = ("file", "key", "all")
 """Which files may be one log."""
 
 _BYTES_A_ROW = 250
 """What a row takes while the quantities that a log derives from its rows are computed; judgement."""
-
-
-@dataclass(frozen=True)
-class Surroundings:
-    """What the rows of a file depend on."""
-
-    context: Context  # of the rows before, of the file, and of the rows after
-    # before, after: rows of the log just before and after the file
-    before: pd.DataFrame
-    after: pd.DataFrame
 
 
 @dataclass(frozen=True)
@@ -50,41 +38,34 @@ _KEPT: dict[tuple[object, ...], _Log] = {}
 
 
 def surroundings(
-    files: Sequence[Path],
-    place: int,
+    file: Path,
+    log: Sequence[Path],
     corrector: Corrector,
-    read: Callable[[Path], pd.DataFrame],
+    read: Callable[[Path], Iterable[pd.DataFrame]],
     memory: int,
-) -> Surroundings:
-    """What the rows of one file of a log depend on.
+) -> dict[str, Any]:
+    """What the rows of a file depend on besides themselves, as `echocal.correct.stream.corrected` takes it.
 
-    Parameters
-    ----------
-    files : sequence of Path
-        The files of the log. Their order is that of their first times.
-    place : int
-        Which of them.
-    read : callable
-        Reads the needed columns of a file.
-
-    Raises
-    ------
-    DataError
-        If the log is larger than the memory, or its files overlap in time.
+    Raises `DataError` if the log is larger than the memory, or its files overlap in time. `log` has the
+    files of the log in any order, none for the file alone; `read` gives the needed columns of a file, piece
+    by piece.
     """
+    if not corrector.remembers and (len(log) < 2 or not corrector.rows_around):
+        return {"context": Context()}
+    files = list(log) or [file]
     key = (*map(_version, files), corrector.reads)
-    log = _KEPT.get(key)
-    if log is None:
-        log = _read_log(files, corrector, read, memory)
+    whole = _KEPT.get(key)
+    if whole is None:
+        whole = _read_log(files, corrector, read, memory)
         _KEPT.clear()
-        _KEPT[key] = log
-    begin, end = log.places[files[place]]
-    first, last = max(begin - corrector.rows_around, 0), min(end + corrector.rows_around, len(log.table))
-    return Surroundings(
-        log.context.rows(first, last),
-        log.table.iloc[first:begin].reset_index(drop=True),
-        log.table.iloc[end:last].reset_index(drop=True),
-    )
+        _KEPT[key] = whole
+    begin, end = whole.places[file]
+    first, last = max(begin - corrector.rows_around, 0), min(end + corrector.rows_around, len(whole.table))
+    return {
+        "context": whole.context.rows(first, last),
+        "before": whole.table.iloc[first:begin].reset_index(drop=True),
+        "after": whole.table.iloc[end:last].reset_index(drop=True),
+    }
 
 
 def _version(file: Path) -> tuple[object, ...]:
@@ -94,20 +75,23 @@ def _version(file: Path) -> tuple[object, ...]:
 
 
 def _read_log(
-    files: Sequence[Path], corrector: Corrector, read: Callable[[Path], pd.DataFrame], memory: int
+    files: Sequence[Path],
+    corrector: Corrector,
+    read: Callable[[Path], Iterable[pd.DataFrame]],
+    memory: int,
 ) -> _Log:
     tables: list[pd.DataFrame] = []
     rows = 0
     for file in files:
-        tables.append(read(file))
+        pieces = list(read(file)) or [pd.DataFrame(columns=corrector.columns)]
+        tables.append(pd.concat(pieces, ignore_index=True))
         rows += len(tables[-1])
         if rows * _BYTES_A_ROW > memory:
-            message = (
+            raise DataError(
                 f"the model has {', '.join(corrector.remembers) or 'marks'}, which depends on the other rows "
                 f"of a log, and this log has more than {memory // _BYTES_A_ROW} rows, which do not fit into "
                 f"{memory >> 20} MB; give more memory ({keyword('memory', '4GB')}), or correct shorter logs"
             )
-            raise DataError(message)
     table, context, elapsed = _joined(tables, corrector)
     ends = np.cumsum([len(own) for own in tables])
     starts = [_earliest(times) for times in np.split(elapsed, ends[:-1])]
@@ -140,12 +124,11 @@ def _refuse_overlap(files: Sequence[Path], sizes: Sequence[int], elapsed: NDArra
     for file, times in zip(files, np.split(elapsed, np.cumsum(sizes)[:-1]), strict=True):
         known = times[np.isfinite(times)]
         if len(known) and known.min() < latest:
-            message = (
+            raise DataError(
                 f"{file} begins before {before} ends, and both are one log of a model that depends on the "
                 f"other rows; if they are of different sensors, say so: {keyword('by', 'COLUMN')}, or "
                 f"{keyword('logs', 'file')}"
             )
-            raise DataError(message)
         if len(known):
             latest, before = max(latest, float(known.max())), file
 
@@ -171,8 +154,7 @@ def logs_of(
     it is not known which files are one log.
     """
     if logs not in (None, *LOGS):
-        message = f"{keyword('logs', logs)} is not one of {', '.join(LOGS)}"
-        raise UsageError(message)
+        raise UsageError(f"{keyword('logs', logs)} is not one of {', '.join(LOGS)}")
     alone: dict[str, list[Place]] = {s.place.as_posix(): [s.path] for s in inputs.files}
     if len(inputs.files) == 1 or logs == "file":
         return alone
@@ -186,21 +168,19 @@ def logs_of(
         if not depends or len(sources) < 2:
             continue
         if key is None and logs is None:
-            message = (
+            raise UsageError(
                 f"the model has {', '.join(depends)}, which depends on the other rows of a log, and there "
                 f"are {len(sources)} files; say which are one log: {keyword('logs', 'all')}, "
                 f"{keyword('logs', 'file')} "
                 f"(each by itself), or {keyword('by', 'COLUMN')} with one partition for each sensor"
             )
-            raise UsageError(message)
         ordered: list[Place] = [source.path for source in sources]
         if any(isinstance(path, Object) for path in ordered):
-            message = (
+            raise UsageError(
                 f"the model has {', '.join(depends)}, which depends on the other rows of a log, and the "
                 f"{len(ordered)} files of it are in an object store; copy them to a disk first, or write "
                 "each log into one file"
             )
-            raise UsageError(message)
         for source in sources:
             alone[source.place.as_posix()] = ordered
     return alone

@@ -25,8 +25,6 @@ from echocal.objects import Object
 from echocal.outputs import replace_text
 from echocal.places import Place, exists, file_digest, place_of, stamp
 
-__all__ = ["FOLDER", "Manifest", "check_owner", "locked"]
-
 FOLDER = "_echocal"
 _SCHEMA = "echocal.manifest/1"
 _FILE = "manifest.jsonl"
@@ -51,19 +49,8 @@ class Manifest:
     """What is done in a folder.
 
     Raises `UsageError` if the folder was begun with another model, other options or another version.
-
-    Parameters
-    ----------
-    out : Path or Object
-        Folder of the outputs.
-    job : mapping
-        The job of all tasks; see `echocal.correct.job`.
-    models : str
-        Digest of the model, or of all models.
-    version : str
-        Version of echocal.
-    force : bool
-        Begin anew where another model or other options were used.
+    `models` is the digest of the model, or of all models. With `force` the folder is begun anew where
+    another model or other options were used.
     """
 
     def __init__(
@@ -82,11 +69,6 @@ class Manifest:
             self._done = {line["place"]: line for line in lines[1:]}
         self._put()  # without what a crash cut off
         self.owner = {"folder": str(out), "manifest": str(self.file), "head": self._head}
-
-    @property
-    def places(self) -> set[str]:
-        """Outputs that are known."""
-        return set(self._done)
 
     def is_done(self, place: str, source: Place) -> bool:
         """Whether an output is in its place, whole, and of this input as it is now."""
@@ -135,11 +117,10 @@ class Manifest:
         done = {place: line["output"] for place in places if (line := self._done[place])["error"] is None}
         other = [place for place, own in done.items() if there.get(place) != own and self._is_other(place)]
         if other:
-            message = (
+            raise OutputError(
                 f"{self.out}: another run replaced {len(other)} of {len(done)} outputs, first {other[0]}; "
                 "run again when no other run writes there"
             )
-            raise OutputError(message)
 
     def _is_other(self, place: str) -> bool:
         target = self.out / place
@@ -195,13 +176,9 @@ class Manifest:
 def check_owner(owner: Mapping[str, Any] | None) -> None:
     """Refuse to write where another run has begun the folder anew since.
 
-    Raises `OutputError` if the first line is another one now, or the manifest is gone.
-
-    Parameters
-    ----------
-    owner : mapping or None
-        ``folder`` of the outputs, file of the ``manifest``, and ``head``: its first line, as the run has
-        written it. None: nobody else can have begun it.
+    Raises `OutputError` if the first line is another one now, or the manifest is gone. `owner` has the
+    ``folder`` of the outputs, the file of the ``manifest``, and ``head``: its first line, as the run has
+    written it. None: nobody else can have begun it.
     """
     if owner is None:
         return
@@ -233,15 +210,11 @@ def _line(text: str) -> Any:
 def locked(file: Path) -> Iterator[bool]:
     """Hold a lock for the time of a block.
 
-    The system gives a lock back when its process ends, however it ends. A process that the owner was starting
-    when it was killed shares the lock for a moment. So the lock of an owner that is gone is waited for. Where
-    the file system has no such locks, the process that the file names must be gone. Raises `UsageError` if
-    another process has it; the text names the process.
-
-    Yields
-    ------
-    bool
-        Whether the owner before was killed: it has left its name.
+    The system gives a lock back when its process ends, however it ends. A process that the owner was
+    starting when it was killed shares the lock for a moment. So the lock of an owner that is gone is waited
+    for. Where the file system has no such locks, the process that the file names must be gone. Raises
+    `UsageError` if another process has it; the text names the process. Yields whether the owner before was
+    killed: it has left its name.
     """
     with writing(file):
         file.parent.mkdir(parents=True, exist_ok=True)

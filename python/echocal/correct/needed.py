@@ -10,6 +10,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from echocal import _core
+from echocal.arrays import Column
 from echocal.errors import DataError, UsageError
 from echocal.model import Model
 from echocal.model.indicated_speed import speed_of
@@ -22,25 +23,10 @@ from echocal.observations.plan import EVERYTHING, make
 from echocal.quantities import AIR, DEFAULTS, FROM_THERMOMETERS, QUANTITIES
 from echocal.registry import find_effect
 
-__all__ = [
-    "NOT_CHECKED",
-    "Needed",
-    "context_of",
-    "needed",
-    "reference_of",
-    "refuse_no_model",
-    "refuse_repeated",
-    "remembered",
-    "rules_of",
-    "with_marks",
-]
-
 _ECHOES = ("echo_time", "reading")
 _SOURCES = {"time": "elapsed_time", "times": "elapsed_time"}  # words of `derived_from`
 NOT_CHECKED = "not checked"
 """Begin of a note on faults that a diagnosis repaired and a correction does not look for."""
-
-Column = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -73,13 +59,9 @@ def needed(
 ) -> Needed:
     """Find the columns that a model reads among those of a table.
 
-    Where a log may have several files (`ordered`), marks that look at rows around need the times, too:
-    only they tell which file is the next.
-
-    Raises
-    ------
-    UsageError, DataError
-        As `echocal.read_observations`, if a request or the name of a column cannot be understood.
+    Where a log may have several files (`ordered`), marks that look at rows around need the times, too: only
+    they tell which file is the next. Raises `UsageError` or `DataError` as `echocal.read_observations`, if a
+    request or the name of a column cannot be understood.
     """
     refuse_repeated(names)
     requests = mounted_as(requests, model)
@@ -94,7 +76,8 @@ def needed(
     around = context_of(model) if rules else 0
     if ordered and around:
         reads.add("elapsed_time")
-    reads |= {name for id_ in model.effects for name in find_effect(id_).excludes}
+    stands_for = {name for id_ in model.effects for name in find_effect(id_).excludes}
+    reads |= stands_for
     reads |= set(() if model.shape is None else model.shape.columns)
     sources = {word for name in reads for word in _derived_from(name)}
     wanted = reads | sources
@@ -115,7 +98,6 @@ def needed(
     columns = tuple(name for name in names if name in used | reference)
     asked = {name: request for name, request in requests.items() if name in columns}
     recorded = {*plan.assignments, *model.air}
-    stands_for = {name for id_ in model.effects for name in find_effect(id_).excludes}
     return Needed(
         columns,
         asked | dict.fromkeys(reference, IGNORE),
@@ -147,10 +129,7 @@ def refuse_repeated(names: Collection[str]) -> None:
     listed = list(names)
     repeated = next((name for name in listed if listed.count(name) > 1), None)
     if repeated is not None:
-        from echocal.errors import DataError
-
-        message = f"the table has more than one column '{repeated}'; rename all but one"
-        raise DataError(message)
+        raise DataError(f"the table has more than one column '{repeated}'; rename all but one")
 
 
 def trusted(trust: Collection[str], columns: Collection[str]) -> list[str]:

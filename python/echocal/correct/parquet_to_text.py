@@ -8,32 +8,16 @@ import numpy as np
 import pandas as pd
 
 from echocal.correct.columns import as_text
-from echocal.correct.corrector import Corrector, Tally
+from echocal.correct.corrector import Tally
 from echocal.correct.job import Job
-from echocal.correct.parquet import footer as f
-from echocal.correct.parquet.file import (
-    FIXED,
-    Opened,
-    arrow_file,
-    check_whole,
-    keys_of,
-    names_of,
-    opened_file,
-    read_pieces,
-    read_tables,
-    surroundings_of,
-    tally_of,
-)
-from echocal.correct.rows import Rows
-from echocal.correct.stream import corrected
+from echocal.correct.parquet.file import Parquet, arrow_file
+from echocal.correct.rows import Rows, no_distance
 from echocal.correct.tables import results_of
 from echocal.correct.text.file import writing_text
 from echocal.errors import UsageError
 from echocal.keywords import keyword
 from echocal.observations.arrow import Table, arrow, as_stored
 from echocal.outputs import csv_text, spreadsheet_safe
-
-__all__ = ["parquet_to_text"]
 
 _DAY = 86_400
 _TICKS = {"s": 1, "ms": 10**3, "us": 10**6, "ns": 10**9}
@@ -50,34 +34,19 @@ def parquet_to_text(
 ) -> Tally:
     """Correct a Parquet file into a text file; see `correct_parquet`.
 
-    Raises `DataError` if the file cannot be read, a value cannot be text, or a model needs what the file does
-    not have; `out` is incomplete then.
-
-    Parameters
-    ----------
-    ending : str
-        Of the output: ``.csv``, ``.tsv.gz``, ...
+    Raises `DataError` if the file cannot be read, a value cannot be text, or a model needs what the file
+    does not have; `out` is incomplete then. The `ending` is that of the output: ``.csv``, ``.tsv.gz``, ...
     """
     if job.append_only is not None:
         raise UsageError(f"{keyword('append_only')} is for Parquet to Parquet")
-    pa = arrow()
-    with source.open("rb") as raw:
-        footer = f.read_footer(raw, str(source), job.memory - FIXED)
-    opened = opened_file(source, footer, job, 1 + len(f.fields_of(footer)) // 4)
-    with opened.file:
-        names = names_of(opened.file)
-        corrector = Corrector(names, job, key)
-        if corrector.by:
-            corrector.prepare(keys_of(opened, corrector.by))
-        around = surroundings_of(opened, corrector, job, log)
-        tally = tally_of(opened)
-        tables = read_pieces(source, opened.file, opened.pieces, corrector.columns)
-        made = corrected(tables, corrector, tally, lambda rows, _: rows, **around, threads=job.threads)
-        finest = _finest(opened)
+    read = Parquet(source, job, whole=True)
+    with read.corrected(key, log, lambda rows, _: rows) as (tally, made):
+        finest = _finest(read)
         with writing_text(out, ending.endswith(".gz")) as file:
-            empty, _ = as_text(opened.file.schema_arrow.empty_table())
-            file.write(_lines(empty, _nothing(job.reading.first), ending, job, header=True).encode())
-            for rows, table in zip(made, _stored(opened), strict=True):
+            empty, _ = as_text(read.file.schema_arrow.empty_table())
+            nothing = no_distance(0, first=job.reading.first)
+            file.write(_lines(empty, nothing, ending, job, header=True).encode())
+            for rows, table in zip(made, _stored(read), strict=True):
                 fields, notes = as_text(table if finest is None else _with(table, finest))
                 tally.notes |= dict.fromkeys(notes)
                 text = _lines(fields, rows, ending, job, header=False)
@@ -85,17 +54,14 @@ def parquet_to_text(
                     text = text[: text.rindex("\n", 0, -1) + 1] if "\n" in text[:-1] else ""
                 file.write(text.encode())
                 progress(len(rows.codes))
-        if tally.doubtful(job):
-            check_whole(opened, corrector)
-    pa.default_memory_pool().release_unused()
     return tally
 
 
-def _stored(opened: Opened) -> Iterator[Table]:
+def _stored(read: Parquet) -> Iterator[Table]:
     """All columns of each piece."""
-    schema = (opened.file.metadata.metadata or {}).get(b"ARROW:schema")
-    with arrow_file(opened.path) as file:
-        for table in read_tables(opened.path, file, opened.pieces, None):
+    schema = (read.file.metadata.metadata or {}).get(b"ARROW:schema")
+    with arrow_file(read.path) as file:
+        for table in read.tables(file, None):
             yield as_stored(table, schema)
 
 
@@ -113,19 +79,15 @@ def _lines(fields: pd.DataFrame, rows: Rows, ending: str, job: Job, *, header: b
     return csv_text(table, header=names if header else False, sep=separator, decimal=decimal)
 
 
-def _nothing(first: str) -> Rows:
-    return Rows(np.zeros(0), np.zeros(0, np.float32), np.zeros(0, np.int16), ("",), (False,), (), first)
-
-
-def _finest(opened: Opened) -> Mapping[str, int] | None:
+def _finest(read: Parquet) -> Mapping[str, int] | None:
     """The time of each column that needs most digits: how a column is written depends on all of its times."""
     pa = arrow()
-    schema = opened.file.schema_arrow
+    schema = read.file.schema_arrow
     times = [own.name for own in schema if pa.types.is_timestamp(own.type) or pa.types.is_duration(own.type)]
-    if not times or len(opened.pieces) < 2:
+    if not times or len(read.pieces) < 2:
         return None
     found: dict[str, tuple[int, int]] = {}
-    for table in read_tables(opened.path, opened.file, opened.pieces, times):
+    for table in read.tables(read.file, times):
         for name in times:
             column = table[name]
             ticks = column.drop_null().cast(pa.int64()).to_numpy()

@@ -1,7 +1,5 @@
 """The columns that a correction appends."""
 
-__all__ = ["DISTANCE", "LEVEL", "RESULTS", "STATUS", "UNCERTAINTY", "UNUSABLE", "results"]
-
 DISTANCE = "corrected_distance_m"
 LEVEL = "corrected_level_m"
 """In place of `DISTANCE` where the table holds a level."""

@@ -9,9 +9,12 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from echocal.arrays import Column
+from echocal.budget.entries import some_rows
+from echocal.budget.stated import Uncertainties
 from echocal.correct.needed import Needed, is_derived, reference_of, trusted, with_marks
 from echocal.correct.results import DISTANCE, LEVEL
-from echocal.correct.uncertainty import Uncertainties, included, standard_uncertainty
+from echocal.correct.uncertainty import included, standard_uncertainty
 from echocal.errors import DataWarning
 from echocal.model import Model
 from echocal.model.indicated_speed import speed_of
@@ -25,10 +28,6 @@ from echocal.observations.numbers import Missing, to_numbers
 from echocal.observations.options import ReadOptions
 from echocal.observations.part import Part
 from echocal.observations.plan import make
-
-__all__ = ["Reading", "Rows", "correct_rows", "no_distance", "whole_log"]
-
-Column = NDArray[np.float64]
 
 _NONE = "no distance fits"
 
@@ -58,30 +57,15 @@ class Reading(ReadOptions):
 
 @dataclass(frozen=True)
 class Rows:
-    """Corrected rows.
+    """Corrected rows."""
 
-    Attributes
-    ----------
-    distance : ndarray, shape (n,)
-        Corrected distance [m]; NaN where there is none.
-    uncertainty : ndarray of float32, shape (n,)
-        Its standard uncertainty [m]; NaN where there is none, or none was stated.
-    codes : ndarray of int16, shape (n,)
-        Position of the reason in `reasons`; 0 is none.
-    reasons : tuple of str
-        The first one is empty.
-    unusable : tuple of bool
-        Whether rows with that reason have no distance.
-    notes : tuple of str
-        What a person should know.
-    """
-
-    distance: NDArray[np.float64]
+    distance: NDArray[np.float64]  # [m]; NaN where there is none; shape (n,)
     uncertainty: NDArray[np.float32]
-    codes: NDArray[np.int16]
-    reasons: tuple[str, ...]
-    unusable: tuple[bool, ...]
-    notes: tuple[str, ...]
+    """Its standard uncertainty [m]; NaN where there is none, or none was stated; shape (n,)."""
+    codes: NDArray[np.int16]  # position of the reason in `reasons`; 0 is none; shape (n,)
+    reasons: tuple[str, ...]  # the first one is empty
+    unusable: tuple[bool, ...]  # whether rows with that reason have no distance
+    notes: tuple[str, ...]  # what a person should know
     first: str = DISTANCE
     """Name of the first result: a level is corrected to a level."""
     outside: Mapping[str, tuple[int, int, float]] = field(default_factory=dict)
@@ -120,22 +104,14 @@ def correct_rows(
 ) -> Rows:
     """Correct every row of a table, or of a part of one, that has the needed columns.
 
-    Raises `DataError` if the columns cannot be read, or the model needs another one.
-
-    Parameters
-    ----------
-    table : pandas.DataFrame, shape (n, m)
-        At least the columns of `needed`.
-    part : Part, optional
-        What a part needs to know of the whole table; what it counts is added there.
-    groups : sequence of (Model, slice), optional
-        Models of some rows each, which read the same columns in the same way as `model`, and have neither
-        terms without a cause nor rules for rows.
+    Raises `DataError` if the columns cannot be read, or the model needs another one. What a `part` counts is
+    added to it. The models of `groups` are of some rows each; they read the same columns in the same way as
+    `model`, and have neither terms without a cause nor rules for rows.
     """
     observations, assembly = _observed(table, model, needed, reading, part)
     if groups:
         base_indication(observations, model.law)  # counts rows outside of the domain of the law
-    each = [(own, rows, _some(observations, rows)) for own, rows in groups]
+    each = [(own, rows, some_rows(observations, rows)) for own, rows in groups]
     each = each or [(model, slice(None), observations)]
     distance, uncertainty = np.empty(len(observations)), np.empty(len(observations), np.float32)
     for own, rows, some in each:
@@ -178,29 +154,11 @@ def correct_rows(
     )
 
 
-def _some(observations: Observations, rows: slice) -> Observations:
-    """Some rows, with what a correction reads of them."""
-    return Observations(
-        observations.echo_time[rows],
-        {name: values[rows] for name, values in observations.conditions.items()},
-        None,
-        observations.unusable[rows],
-        reading=None if observations.reading is None else observations.reading[rows],
-        thermometers={name: values[rows] for name, values in observations.thermometers.items()},
-        source_names=observations.source_names,
-    )
-
-
 def whole_log(table: pd.DataFrame, model: Model, needed: Needed, reading: Reading) -> tuple[Part, Column]:
     """What the parts of a table need to know of the whole: its start and its derived quantities.
 
+    Returns also the seconds since the start, shape (n,), NaN where a row has no time or the table has none.
     Raises `DataError` if the table cannot be read as a whole.
-
-    Returns
-    -------
-    part : Part
-    elapsed : ndarray, shape (n,)
-        Seconds since the start; NaN where a row has no time, or the table has none.
     """
     observations, assembly = _observed(table, model, needed, reading, None)
     derived = {name: values for name, values in observations.conditions.items() if is_derived(name)}
@@ -215,11 +173,13 @@ def whole_log(table: pd.DataFrame, model: Model, needed: Needed, reading: Readin
     return Part(start, derived), elapsed
 
 
-def no_distance(count: int, reason: str, first: str) -> Rows:
-    """Rows that no model corrects."""
+def no_distance(count: int, reason: str = "", first: str = DISTANCE) -> Rows:
+    """Rows without a result, for a reason or none."""
     nothing = np.full(count, np.nan)
-    codes = np.ones(count, dtype=np.int16)
-    return Rows(nothing, nothing.astype(np.float32), codes, ("", reason), (False, True), (), first)
+    codes = np.full(count, bool(reason), dtype=np.int16)
+    reasons = ("", reason) if reason else ("",)
+    lost = tuple(map(bool, reasons))
+    return Rows(nothing, nothing.astype(np.float32), codes, reasons, lost, (), first)
 
 
 def _observed(

@@ -15,16 +15,11 @@ from echocal.observations.names import IGNORE
 if TYPE_CHECKING:
     from echocal.correct.driver import Summary
 
-__all__ = ["correct_rangers", "ranger_file", "rangers_of"]
-
 
 def rangers_of(by: str | None, models: str | Path | None) -> dict[str, Model]:
     """Model of each ranger that `by` names, as ``"left_cm,right_cm"``; none where it names one column.
 
-    Raises
-    ------
-    UsageError
-        If one of several rangers has no model, or there is no folder of models.
+    Raises `UsageError` if one of several rangers has no model, or there is no folder of models.
 
     Examples
     --------
@@ -35,11 +30,10 @@ def rangers_of(by: str | None, models: str | Path | None) -> dict[str, Model]:
     if len(names) < 2:
         return {}
     if models is None:
-        message = (
+        raise UsageError(
             f"{keyword('by', by)} are rangers beside each other, and each is corrected by its own model: "
             f"give their folder, {keyword('models', 'DIR')}"
         )
-        raise UsageError(message)
     folder = ModelFolder(Path(models))
     found = {name: folder.model(name) for name in names}
     for name, model in found.items():
@@ -60,38 +54,15 @@ def correct_rangers(
 ) -> dict[str, "Summary"]:
     """Correct one table once for each ranger, into a folder with a file for each.
 
-    Parameters
-    ----------
-    work : callable
-        `echocal.correct_files`.
-    source : path
-        The table.
-    out : path
-        The folder.
-    rangers : mapping of str to Model
-        By the column of the ranger.
-    columns : mapping of str to str
-        Meaning of columns.
-    **how
-        Further arguments of `work`.
-
-    Returns
-    -------
-    dict of str to Summary
-        By the name of the file.
-
-    Raises
-    ------
-    UsageError
-        If the output is named as a file, or the input is a folder.
+    `work` is `echocal.correct_files`, which gets `how`; the results are by the name of the file. Raises
+    `UsageError` if the output is named as a file, or the input is a folder.
     """
     inputs = find_inputs(str(source))
     if not inputs.single or out.suffix in ENDINGS:
-        message = (
+        raise UsageError(
             f"{keyword('by', ','.join(rangers))} are rangers beside each other in one table, and each has a "
             f"file of its own: give one table, and a folder for {keyword('out', 'DIR')}"
         )
-        raise UsageError(message)
     out.mkdir(parents=True, exist_ok=True)
     done = {}
     for name, model in rangers.items():

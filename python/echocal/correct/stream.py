@@ -10,8 +10,6 @@ import pandas as pd
 from echocal.correct.corrector import Context, Corrector, Tally
 from echocal.correct.rows import Rows
 
-__all__ = ["corrected", "in_order", "with_neighbors"]
-
 Item = TypeVar("Item")
 Made = TypeVar("Made")
 
@@ -40,15 +38,8 @@ def with_neighbors(
 ) -> Iterator[tuple[pd.DataFrame, int, int, int]]:
     """Tables with so many rows of their neighbors on both sides.
 
-    Yields
-    ------
-    table : pandas.DataFrame
-    lead : int
-        Rows of neighbors before.
-    rows : int
-        Own rows.
-    begin : int
-        Place of the first of all rows, counted from the first row of `before`.
+    Yields the table, the rows of neighbors before, its own rows, and the place of the first of all rows,
+    counted from the first row of `before`.
     """
     if not around:
         at = 0
@@ -57,7 +48,7 @@ def with_neighbors(
             at += len(table)
         return
     held: deque[pd.DataFrame] = deque()
-    left = before if before is not None else None
+    left = before
     at = 0 if left is None else len(left)
     ended = False
     while True:

@@ -22,8 +22,6 @@ from echocal.observations.reading import understood
 from echocal.observations.source import load
 from echocal.observations.table import Observations
 
-__all__ = ["Corrected", "correct", "correct_table", "refuse_corrected", "results_of"]
-
 _ATTRS = {
     DISTANCE: {"units": "m", "long_name": "corrected distance"},
     LEVEL: {"units": "m", "long_name": "corrected level"},
@@ -125,10 +123,9 @@ def correct(
     refuse_keywords(correct, options, READ_OPTIONS)
     refuse_no_model(model)
     if isinstance(table, Observations):
-        message = (
+        raise UsageError(
             "correct appends columns to a table, got Observations; give the table that they were read from"
         )
-        raise UsageError(message)
     said = {"columns": columns, "reading_speed": reading_speed, **options}
     reading = Reading.of(said, uncertainties, mark_rows)
     whole = load(table, reading.layout, sheet=reading.sheet)
@@ -149,7 +146,7 @@ def correct(
     for reason in dict.fromkeys(found.corrupt.values()):
         lost = [row for row, why in found.corrupt.items() if why == reason]
         rows = rows.lost(np.isin(np.arange(len(whole)), lost), reason)
-    unusable, marked = counts(rows)
+    unusable, marked = ({why: count for why, (count, _) in own.items()} for own in counts(rows))
     notes = [*found.notes, *notes, *rows.notes, *said_of(marked)]
     return Corrected(appended(table, whole, results_of(rows)), len(whole), unusable, tuple(notes), marked)
 
@@ -170,17 +167,16 @@ def refuse_corrected(names: Collection[str]) -> None:
     if taken:
         again = taken[0] in (DISTANCE, LEVEL)
         before = "it was corrected before" if again else "a correction adds one of that name"
-        message = f"the table already has a column '{taken[0]}': {before}; rename or remove it"
-        raise DataError(message)
+        raise DataError(f"the table already has a column '{taken[0]}': {before}; rename or remove it")
 
 
-def counts(rows: Rows) -> tuple[dict[str, int], dict[str, int]]:
-    """Rows without a distance, and rows with a distance and a reason; by reason."""
+def counts(rows: Rows) -> tuple[dict[str, tuple[int, int]], dict[str, tuple[int, int]]]:
+    """Number and first of the rows without a distance, and of those with one and a reason; by reason."""
     found = np.bincount(rows.codes, minlength=len(rows.reasons)).tolist()
-    by_kind: tuple[dict[str, int], dict[str, int]] = ({}, {})
-    for reason, count, lost in zip(rows.reasons, found, rows.unusable, strict=True):
+    by_kind: tuple[dict[str, tuple[int, int]], dict[str, tuple[int, int]]] = ({}, {})
+    for place, (reason, count) in enumerate(zip(rows.reasons, found, strict=True)):
         if count and reason:
-            by_kind[0 if lost else 1][reason] = count
+            by_kind[0 if rows.unusable[place] else 1][reason] = count, int(np.argmax(rows.codes == place))
     return by_kind
 
 
@@ -195,12 +191,7 @@ def said_of(marked: Mapping[str, int]) -> tuple[str, ...]:
 def appended(table: Any, whole: pd.DataFrame, results: Mapping[str, NDArray[Any]]) -> Any:
     """A table with columns more; nothing that it holds is changed.
 
-    Parameters
-    ----------
-    whole : pandas.DataFrame
-        What was loaded of it: the result where its kind holds no columns, or is not known.
-    results : mapping of str to ndarray, shape (n,)
-        New columns by name.
+    `whole` is what was loaded of the table: the result where its kind holds no columns, or is not known.
     """
     library = type(table).__module__.partition(".")[0]
     if isinstance(table, pd.DataFrame):

@@ -27,8 +27,6 @@ from echocal.observations.file import TextFile
 from echocal.outputs import WriteError, replacing
 from echocal.places import Place, file_digest, place_of, stamp
 
-__all__ = ["RESULT", "SCHEMA", "run_task"]
-
 SCHEMA = "echocal.task/1"
 RESULT = "echocal.task_result/1"
 
@@ -47,19 +45,10 @@ _OF_THE_NAME = {
 def run_task(task: Mapping[str, Any], progress: Callable[[int], None] = lambda rows: None) -> dict[str, Any]:
     """Correct one file.
 
-    Parameters
-    ----------
-    task : mapping
-        Plain data, as `echocal.correct.driver.task_of` makes it: schema, version, source, target, key, log
-        and job. Of a run over a folder also ``owner``, see `echocal.correct.manifest.check_owner`.
-    progress : callable
-        Told the rows of each piece that is done.
-
-    Returns
-    -------
-    dict
-        Plain data: what was done, or under ``error`` why the file was set aside. Whatever is wrong with a
-        file never raises.
+    The task is plain data, as `echocal.correct.driver.task_of` makes it; of a run over a folder it has
+    ``owner``, too, see `echocal.correct.manifest.check_owner`. So is the result: what was done, or under
+    ``error`` why the file was set aside. Whatever is wrong with a file never raises. `progress` is told the
+    rows of each piece that is done.
     """
     begun = time.perf_counter()
     place, target = place_of(task["source"]), place_of(task["target"])
@@ -71,12 +60,7 @@ def run_task(task: Mapping[str, Any], progress: Callable[[int], None] = lambda r
     }
     staged = str(place)
     try:
-        if task["schema"] != SCHEMA or task["version"] != __version__:
-            message = (
-                f"the task is of echocal {task['version']} ({task['schema']}), and this process has "
-                f"{__version__} ({SCHEMA}); install the same version everywhere"
-            )
-            raise UsageError(message)
+        refuse_other_version(task, SCHEMA)
         job = Job.of(task)
         before = stamp(place)
         last = partial(check_owner, task.get("owner"))
@@ -90,8 +74,7 @@ def run_task(task: Mapping[str, Any], progress: Callable[[int], None] = lambda r
             tally = _correct(source, unfinished, target.name, job, task, progress)
             digest = digesting.result()
             if stamp(place) != before:
-                message = f"{place} was written while it was read; run again when it is complete"
-                raise DataError(message)
+                raise DataError(f"{place} was written while it was read; run again when it is complete")
         result |= {
             "input": {**before, "sha256": digest},
             "output": stamp(target),
@@ -110,6 +93,15 @@ def run_task(task: Mapping[str, Any], progress: Callable[[int], None] = lambda r
         result["error"] = {"kind": kind, "text": text.replace(staged, str(place))}
     result["seconds"] = round(time.perf_counter() - begun, 6)
     return result
+
+
+def refuse_other_version(task: Mapping[str, Any], schema: str) -> None:
+    """Raise `UsageError` for a task that another version has made."""
+    if task["schema"] != schema or task["version"] != __version__:
+        raise UsageError(
+            f"the task is of echocal {task['version']} ({task['schema']}), and this process has "
+            f"{__version__} ({schema}); install the same version everywhere"
+        )
 
 
 def _told(error: BaseException, place: Place) -> tuple[str, str]:
@@ -197,8 +189,7 @@ def _reading() -> Iterator[None]:
     except WriteError:
         raise
     except OSError as error:
-        message = f"{error.filename or 'the file'} cannot be read: {error.strerror or error}"
-        raise DataError(message) from None
+        raise DataError(f"{error.filename or 'the file'} cannot be read: {error.strerror or error}") from None
 
 
 @contextmanager

@@ -23,8 +23,6 @@ from echocal.observations.numbers import EMPTY, EXACT
 from echocal.observations.scanner import Block
 from echocal.outputs import opened_output
 
-__all__ = ["KINDS", "kind_of", "possible", "text_to_parquet"]
-
 _VALUES = 1 << 20
 """Values of a row group: a number of rows that depends on the columns only, not on the memory."""
 
@@ -87,8 +85,7 @@ def text_to_parquet(
             progress(len(group))
     if not tally.rows:
         names = ", ".join(tally.columns)
-        message = f"{source.path} has a header ({names}) and no rows, so its columns have no types"
-        raise DataError(message)
+        raise DataError(f"{source.path} has a header ({names}) and no rows, so its columns have no types")
     check_whole(text, tally)
     pa.default_memory_pool().release_unused()
     return tally
@@ -163,12 +160,7 @@ def _as_one(group: Table, schema: Any) -> Table:
 def possible(column: Any, decimal: str, among: Collection[str]) -> frozenset[str] | None:
     """Types that a piece of a column may have; None where it is empty, and says nothing.
 
-    Parameters
-    ----------
-    decimal : str
-        Decimal separator.
-    among : collection of str
-        Types that are possible in other pieces.
+    `among` are the types that are possible in other pieces.
     """
     texts = _filled(column)
     if texts.null_count == len(texts):

@@ -1,17 +1,13 @@
 """Standard uncertainty of corrected distances: what the budget of `echocal.budget` combines to."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from echocal.arrays import Column
 from echocal.budget.entries import itemized
 from echocal.budget.stated import Uncertainties
 from echocal.correct.results import UNCERTAINTY
 from echocal.model import Model
 from echocal.observations import Observations
-
-__all__ = ["Uncertainties", "included", "standard_uncertainty"]
-
-Column = NDArray[np.float64]
 
 
 def standard_uncertainty(
@@ -20,12 +16,8 @@ def standard_uncertainty(
     """Standard uncertainty [m] of corrected distances, shape (n,).
 
     It combines what the model states (`echocal.Model.standard_uncertainty`) and what the user states; see
-    `echocal.budget.entries.itemized`.
-
-    Returns
-    -------
-    ndarray, shape (n,)
-        NaN where there is no distance, and everywhere if no uncertainty is known.
+    `echocal.budget.entries.itemized`. NaN where there is no distance, and everywhere if no uncertainty is
+    known.
     """
     stated = uncertainties or model.covariance is not None or model.shape is not None
     if not np.isfinite(distance).any() or not (stated or model.residual_uncertainty is not None):

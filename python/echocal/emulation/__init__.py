@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
 from echocal import silicon
+from echocal.arrays import Column
 from echocal.emulation.inputs import TRUTH, Emulation, Inputs, from_ranges, from_table
 from echocal.emulation.lines import columns_of, understood
 from echocal.emulation.package import (
@@ -35,7 +35,6 @@ _OPTIONS = {"TMP36": (), "LM35": ("-DLM35",), "potentiometer": ("-DPOTENTIOMETER
 """Options of the compiler with which the sketches of this package read a part."""
 
 Progress = Callable[[int, int], object]
-Column = NDArray[np.float64]
 
 
 def emulate(
@@ -125,8 +124,7 @@ def emulate(
     -0.006
     """
     if adc_bits != _BITS:
-        message = f"the converter of an ATmega328P has {_BITS} bits, not {adc_bits}"
-        raise UsageError(message)
+        raise UsageError(f"the converter of an ATmega328P has {_BITS} bits, not {adc_bits}")
     _refuse(sketch, trigger_pin, echo_pin, seed)
     libraries = [libraries] if isinstance(libraries, str | Path) else list(libraries)
     silicon.refuse_impossible(reference_voltage, trigger_pin, echo_pin, time_out, patience)
@@ -181,14 +179,12 @@ def _is_own(sketch: str | Path | Model | Firmware) -> bool:
 def _refuse(sketch: str | Path | Model | Firmware, trigger_pin: int, echo_pin: int, seed: int | None) -> None:
     """Refuse what is no sketch, pins that a sketch of this package does not have, and what is no seed."""
     if not isinstance(sketch, str | Path | Model | Firmware):
-        message = f"sketch is {sketch!r}; give a name, a file, a Model or a Firmware"
-        raise UsageError(message)
+        raise UsageError(f"sketch is {sketch!r}; give a name, a file, a Model or a Firmware")
     if not _is_own(sketch) and (trigger_pin, echo_pin) != _PINS:
-        message = (
+        raise UsageError(
             f"the pins are {trigger_pin} and {echo_pin}, and the sketches of this package have TRIG at "
             f"{_PINS[0]} and ECHO at {_PINS[1]}: leave the pins out, or give a sketch of your own"
         )
-        raise UsageError(message)
     if seed is not None:
         check_seed("seed", seed)
 
@@ -199,8 +195,7 @@ def _inputs(
     if table is None:
         return from_ranges(*ranges, detector=detector, seed=seed)
     if any(one is not None for one in ranges):
-        message = "a table has its own distances and air: give it, or ranges of values, not both"
-        raise UsageError(message)
+        raise UsageError("a table has its own distances and air: give it, or ranges of values, not both")
     return from_table(table, columns, detector, seed)
 
 
@@ -214,21 +209,18 @@ def _thermometer(
         if not isinstance(found, AnalogThermometer):
             analog = ", ".join(name for name, one in PARTS.items() if isinstance(one, AnalogThermometer))
             why = "has no voltage, and its bus is not emulated" if found else "is unknown"
-            message = f"part '{part}' {why}; there are {analog}"
-            raise UsageError(message)
+            raise UsageError(f"part '{part}' {why}; there are {analog}")
         return (found.ideal() if random is None else found.drawn(random)), random
     if not isinstance(part, AnalogThermometer):
-        message = f"part is {part!r}; give a name such as 'tmp36', or an AnalogThermometer"
-        raise UsageError(message)
+        raise UsageError(f"part is {part!r}; give a name such as 'tmp36', or an AnalogThermometer")
     return part, random
 
 
 def _options(part: str) -> tuple[str, ...]:
     if part not in _OPTIONS:
-        message = (
+        raise UsageError(
             f"the sketches of this package read {', '.join(_OPTIONS)}, not a {part}: give a sketch that does"
         )
-        raise UsageError(message)
     return _OPTIONS[part]
 
 

@@ -9,8 +9,8 @@ from typing import Any, cast
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
+from echocal.arrays import Column
 from echocal.errors import DataError, DataWarning, UsageError
 from echocal.firmware import Firmware
 from echocal.keywords import keyword
@@ -19,10 +19,6 @@ from echocal.observations.source import load
 from echocal.silicon import Played
 from echocal.sweep.grid import Range, axis
 from echocal.virtual_bench.echo_time import check_air, echo_time
-
-__all__ = ["TRUTH", "Emulation", "Inputs", "from_ranges", "from_table"]
-
-Column = NDArray[np.float64]
 
 _ASIDE = {"echo_time", "reading", "reference_distance", "temperature"}
 """Quantities of a table that the board, or the truth, states itself."""
@@ -36,40 +32,19 @@ TRUTH = "true_air_degC"
 
 @dataclass(frozen=True)
 class Inputs:
-    """Rows for the board.
+    """Rows for the board."""
 
-    Attributes
-    ----------
-    echo : ndarray, shape (n,)
-        Length of ECHO [s]; NaN for a missed echo.
-    temperature, relative_humidity : ndarray, shape (n,)
-        Of the air [degC], [1].
-    distance : ndarray, shape (n,), or None
-        Of the target [m], if it is known.
-    ideal : ndarray, shape (n,), or None
-        Echo time of this distance in this air, 2 d / c [s].
-    seconds : ndarray, shape (n,), or None
-        Times of the rows [s], if there are any.
-    radiation : ndarray, shape (n,)
-        Irradiance of the sun [W/m2].
-    kept : DataFrame
-        Further columns, which stay in the result.
-    names : tuple of str
-        Columns of the table.
-    pressure : ndarray, shape (n,)
-        Of the air [Pa].
-    """
-
-    echo: Column
+    echo: Column  # length of ECHO [s]; NaN for a missed echo; shape (n,)
+    # temperature, relative_humidity: of the air [degC], [1]; shape (n,)
     temperature: Column
     relative_humidity: Column
-    distance: Column | None
-    ideal: Column | None = None
-    seconds: Column | None = None
-    radiation: Column = field(default_factory=lambda: np.zeros(1))
-    kept: pd.DataFrame = field(default_factory=pd.DataFrame)
-    names: tuple[str, ...] = ()
-    pressure: Column = field(default_factory=lambda: np.full(1, _STANDARD))
+    distance: Column | None  # of the target [m], if it is known; shape (n,)
+    ideal: Column | None = None  # echo time of this distance in this air, 2 d / c [s]; shape (n,)
+    seconds: Column | None = None  # times of the rows [s]; shape (n,)
+    radiation: Column = field(default_factory=lambda: np.zeros(1))  # irradiance of the sun [W/m2]; shape (n,)
+    kept: pd.DataFrame = field(default_factory=pd.DataFrame)  # further columns, which stay in the result
+    names: tuple[str, ...] = ()  # columns of the table
+    pressure: Column = field(default_factory=lambda: np.full(1, _STANDARD))  # of the air [Pa]; shape (n,)
 
 
 def from_ranges(
@@ -83,8 +58,7 @@ def from_ranges(
 ) -> Inputs:
     """Return every combination of values, the last one given changing the fastest."""
     if temperature is None:
-        message = f"a temperature is needed, such as {keyword('temperature', 20)}, or a table of rows"
-        raise UsageError(message)
+        raise UsageError(f"a temperature is needed, such as {keyword('temperature', 20)}, or a table of rows")
     given = {
         "temperature": temperature,
         "distance": 2.0 if distance is None else distance,
@@ -107,12 +81,8 @@ def from_ranges(
 def from_table(source: Any, columns: Mapping[str, str], detector: str, seed: int | None) -> Inputs:
     """Return the rows of a table: echo times, or distances and the air.
 
-    Requests for columns that the table does not have are left to the lines of the sketch.
-
-    Raises
-    ------
-    DataError
-        If it has neither, or no temperature.
+    Requests for columns that the table does not have are left to the lines of the sketch. Raises `DataError`
+    if it has neither, or no temperature.
     """
     table = load(source)
     names = tuple(map(str, table.columns))
@@ -130,8 +100,7 @@ def from_table(source: Any, columns: Mapping[str, str], detector: str, seed: int
     try:
         check_air(warm, damp, dense)
     except UsageError as error:
-        message = f"the table cannot be: {error}"
-        raise DataError(message) from None
+        raise DataError(f"the table cannot be: {error}") from None
     far = found.reference_distance
     ideal = None if far is None else echo_time(far, warm, damp, dense)
     if not timed:
@@ -164,10 +133,9 @@ def _air(found: Observations, name: str, otherwise: float | None) -> Column:
     values = found.conditions.get(name)
     if values is None:
         if otherwise is None:
-            message = (
+            raise DataError(
                 f"the table has no {name} of the air, which the thermometer of the board needs: {name}_C"
             )
-            raise DataError(message)
         return np.full(len(found), otherwise)
     _refuse_gaps(name.replace("_", " "), values)
     return values
@@ -190,10 +158,9 @@ def _refuse_none(ideal: Column, refusal: type[UsageError | DataError]) -> None:
 def _refuse_gaps(name: str, values: Column) -> None:
     gaps = np.flatnonzero(~np.isfinite(values))
     if len(gaps):
-        message = (
+        raise DataError(
             f"{name} has no value in {len(gaps)} rows, the first is row {gaps[0] + 1}: the board needs one"
         )
-        raise DataError(message)
 
 
 @dataclass(frozen=True)

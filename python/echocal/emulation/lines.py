@@ -13,8 +13,6 @@ from echocal.errors import DataError, DataWarning
 from echocal.observations import read_observations
 from echocal.silicon import Played
 
-__all__ = ["columns_of", "understood"]
-
 _SILENT = "no echo"
 _SHOWN = 80  # characters of a line in a message
 _LONG = re.compile(rf"\S{{{_SHOWN + 1},}}")
@@ -35,26 +33,16 @@ def columns_of(played: Played) -> pd.DataFrame:
 def understood(played: Played, columns: Mapping[str, str]) -> pd.DataFrame:
     """Return what any sketch prints, read as a log of a serial monitor.
 
-    Parameters
-    ----------
-    played : Played
-        Lines by row.
-    columns : mapping of str to str
-        What columns hold, as of `echocal.read_observations`.
-
-    Raises
-    ------
-    DataError
-        If neither a reading nor an echo time is found in each row.
+    `columns` tells what columns hold, as in `echocal.read_observations`. Raises `DataError` if neither a
+    reading nor an echo time is found in each row.
     """
     printed = [", ".join(line for line in lines if line.strip()) for lines in played.rows]
     if not any(printed):
         said = next((line for line in played.lines if line.strip()), "")
-        message = (
+        raise DataError(
             f"the sketch prints no line for any of {len(printed)} echoes{_shown(said)}: end the line of each "
             "measurement with Serial.println"
         )
-        raise DataError(message)
     first = next(filter(None, printed))
     rows = [line or _SILENT for line in printed]
     text = "\n".join([*_header(played, first), *rows, ""])
@@ -72,16 +60,16 @@ def understood(played: Played, columns: Mapping[str, str]) -> pd.DataFrame:
             message = f"the lines of the sketch are not understood{_shown(first)}: {reason}{some}"
             raise DataError(message) from None
     if len(found) != len(rows):
-        message = (
+        raise DataError(
             f"the sketch prints {len(found)} rows of values for {len(rows)} echoes{_shown(first)}: print "
             "one line for each measurement"
         )
-        raise DataError(message)
+    humidity = found.conditions.get("relative_humidity")
     told = {
         "echo_us": found.echo_time * 1e6 if "echo_time" in found.source_names else None,
         "reading_m": found.reading,
         "temperature_C": found.conditions.get("temperature"),
-        "humidity_percent": _percent(found.conditions.get("relative_humidity")),
+        "humidity_percent": None if humidity is None else 100.0 * humidity,
     }
     kept = {name: np.round(values, 9) for name, values in told.items() if values is not None}
     return pd.DataFrame(kept)
@@ -94,10 +82,6 @@ def _shown(line: str) -> str:
 
 def _cut(line: str) -> str:
     return line if len(line) <= _SHOWN else f"{line[:_SHOWN]}..."
-
-
-def _percent(share: np.ndarray | None) -> np.ndarray | None:
-    return None if share is None else 100.0 * share
 
 
 def _header(played: Played, first: str) -> list[str]:

@@ -19,8 +19,6 @@ from echocal.model import Model
 from echocal.registry import find_effect
 from echocal.silicon import Played, Sketch, compile_sketch
 
-__all__ = ["PARTS_OF_ERROR", "columns_of_package", "compile_package", "error_parts", "package_of"]
-
 PARTS_OF_ERROR = {
     "timer": "steps of the timer, and what delays it",
     "sensors": "steps and errors of thermometer and hygrometer, less what the model corrects of them",
@@ -42,14 +40,10 @@ _THERMOMETER = "TMP36"  # of the example sketch
 def package_of(model: Model, part: str, *, humidity: bool, **request: Any) -> Firmware:
     """Generate the library and its example sketch; `request` is for `firmware.generate`.
 
-    Raises
-    ------
-    UsageError
-        If the example sketch is for another thermometer.
+    Raises `UsageError` if the example sketch is for another thermometer.
     """
     if part != _THERMOMETER:
-        message = f"the sketch of a model reads a {_THERMOMETER}, not a {part}: leave out the part"
-        raise UsageError(message)
+        raise UsageError(f"the sketch of a model reads a {_THERMOMETER}, not a {part}: leave out the part")
     if humidity:  # coarse, since every combination of three inputs is proven: 40 million
         return generate(
             model,
@@ -66,14 +60,10 @@ def package_of(model: Model, part: str, *, humidity: bool, **request: Any) -> Fi
 def compile_package(made: Firmware) -> Sketch:
     """Compile the example sketch of a library with it.
 
-    Raises
-    ------
-    UsageError
-        If it is no Arduino library.
+    Raises `UsageError` if it is no Arduino library.
     """
     if _SKETCH not in made.files:
-        message = f"this firmware has no {_SKETCH}: generate(..., package='arduino')"
-        raise UsageError(message)
+        raise UsageError(f"this firmware has no {_SKETCH}: generate(..., package='arduino')")
     with tempfile.TemporaryDirectory(prefix="echocal-") as name:
         made.save(name)
         return compile_sketch(Path(name) / _SKETCH, libraries=[name])
@@ -140,18 +130,15 @@ def error_parts(found: Emulation, model: Model) -> pd.DataFrame:
     """
     for name, given, kind in (("found", found, Emulation), ("model", model, Model)):
         if not isinstance(given, kind):
-            message = f"{name} is of the type {type(given).__name__}; give the {kind.__name__}"
-            raise UsageError(message)
+            raise UsageError(f"{name} is of the type {type(given).__name__}; give the {kind.__name__}")
     table, inputs = found.table, found.inputs
     if inputs.distance is None or inputs.ideal is None or found.firmware is None:
-        message = "an error is split for the C of a model, and where the true distances are known"
-        raise UsageError(message)
+        raise UsageError("an error is split for the C of a model, and where the true distances are known")
     if found.firmware.report["model_hash"] != model.hash:  # the difference would be told as one of arithmetic
-        message = (
+        raise UsageError(
             f"the model has the hash {model.hash[:12]}, and the C on the board was made from "
             f"{found.firmware.report['model_hash'][:12]}: give that model"
         )
-        raise UsageError(message)
     board = {"temperature": table["temperature_C"].to_numpy()}
     true = {"temperature": inputs.temperature}
     if len(found.firmware.report["device"]["conditions"]) == 2:  # else the model assumes the humidity

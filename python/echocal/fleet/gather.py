@@ -15,8 +15,6 @@ from echocal.fleet.tables import Frame, label, opened, polars
 from echocal.observations.layout import Layout
 from echocal.observations.plan import make
 
-__all__ = ["Log", "logs"]
-
 
 @dataclass(frozen=True)
 class Log:
@@ -39,20 +37,9 @@ def logs(
 ) -> Iterator[tuple[Mapping[str, Any], Log]]:
     """Read the files of some sensors once each, and yield the log of every sensor.
 
-    Parameters
-    ----------
-    sensors : sequence of mapping
-        ``key`` and ``files`` of each; a file is its path, whether this has the key, and its place among all.
-    by, kind : str or None
-        Columns of the keys and of the kinds, which are no columns of a log.
-    requests : mapping of str to str
-        Meaning of columns.
-    layout : Layout
-        How text files are written.
-    time_zone : str
-        Of times without an offset.
-    bucket : (Path, int), optional
-        Where the rows are that were divided before; see `echocal.fleet.store`.
+    `sensors` has the ``key`` and the ``files`` of each: path, whether it has the key, and its place among
+    all. The columns `by` and `kind` are no columns of a log. Rows that were divided before are in a
+    `bucket`; see `echocal.fleet.store`.
     """
     read = _Read({}, {})
     if bucket is not None:
@@ -133,8 +120,7 @@ def _joined(frames: list[Frame], requests: Mapping[str, str], time_zone: str) ->
             how="diagonal_relaxed",
         )
     except pl.exceptions.PolarsError as error:
-        message = f"its files have columns of different types: {str(error).splitlines()[0]}"
-        raise DataError(message) from None
+        raise DataError(f"its files have columns of different types: {str(error).splitlines()[0]}") from None
     notes = []
     columns = [name for name in whole.columns if name != PLACE]
     lacking = [name for name in columns if any(name not in frame.columns for frame in frames)]

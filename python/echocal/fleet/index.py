@@ -11,25 +11,15 @@ from echocal.fleet.tables import Opened, label, opened, polars
 from echocal.observations.file import is_parquet
 from echocal.observations.layout import Layout
 
-__all__ = ["Files", "Index", "Sensor", "files_of", "indexed"]
-
 
 @dataclass
 class Sensor:
-    """Where the rows of a sensor are.
-
-    Attributes
-    ----------
-    key : str
-    kind : str
-        Empty: all sensors are of one kind.
-    files : list of (Source, int)
-        Each file with rows of the sensor, and their number.
-    """
+    """Where the rows of a sensor are."""
 
     key: str
-    kind: str = ""
+    kind: str = ""  # empty: all sensors are of one kind
     files: list[tuple[Source, int]] = field(default_factory=list)
+    """Each file with rows of the sensor, and their number."""
 
     @property
     def rows(self) -> int:
@@ -50,14 +40,8 @@ class Index:
 def indexed(files: Sequence[Source], by: str | None, kind: str | None, layout: Layout) -> Index:
     """Look where the rows of each sensor are.
 
-    Raises `DataError` if no file has a sensor, or the files of a sensor have different kinds.
-
-    Parameters
-    ----------
-    by : str or None
-        Column or level of the folders that has the key; None: each file is the log of one sensor.
-    kind : str or None
-        Column or level of the folders that has the kind of a sensor.
+    Raises `DataError` if no file has a sensor, or the files of a sensor have different kinds. `by` and
+    `kind` are columns, or levels of the folders. Without `by` each file is the log of one sensor.
     """
     sensors: dict[str, Sensor] = {}
     kinds: dict[str, set[str]] = {}
@@ -120,11 +104,10 @@ def _counted(
 
 def _label(table: Opened, column: str) -> Any:
     if column not in table.schema:
-        message = (
+        raise DataError(
             f"{table.path} has no column '{column}', and no folder of its path is named {column}=..."
             f"{among(column, table.schema)}"
         )
-        raise DataError(message)
     return label(column, table.schema[column])
 
 
@@ -167,8 +150,7 @@ def files_of(inputs: Sequence[str | Path]) -> Files:
     for given in inputs:
         found = find_inputs(given)
         if found.single and not found.files[0].file.exists():
-            message = f"no file {given}"
-            raise DataError(message)
+            raise DataError(f"no file {given}")
         for source in found.files:
             sources.setdefault(source.file.resolve(), source)
         notes += found.left_out()

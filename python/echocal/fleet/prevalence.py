@@ -10,15 +10,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from echocal.arrays import Column
 from echocal.diagnose.candidates.variant import UNKNOWN
 from echocal.diagnose.faults import registry as faults
 from echocal.diagnose.noises import registry as noises
 from echocal.diagnose.settings import Settings
 from echocal.fleet.verdicts import FAILED
 
-__all__ = ["Judged", "Prevalence", "false_discoveries", "judged", "prevalence"]
-
-Column = NDArray[np.float64]
 Ids = tuple[str, ...]
 
 _ROUNDS = 2000  # of the expectation maximization
@@ -80,10 +78,7 @@ class Sets:
 def sets_of(sensors: Sequence[Mapping[str, Any]], settings: Settings) -> Sets:
     """Arrays of the records of some sensors, none of which failed.
 
-    Parameters
-    ----------
-    sensors : sequence of mapping
-        Records with ``posterior``, ``causes``, ``competing`` and ``terms``.
+    The records have ``posterior``, ``causes``, ``competing`` and ``terms``.
     """
     others = _independent(settings)
     effects = sorted({cause for one in sensors for cause in one["competing"]})
@@ -171,13 +166,7 @@ class Prevalence:
 
 
 def prevalence(sensors: Sequence[Mapping[str, Any]], settings: Settings) -> Prevalence:
-    """Estimate how common each cause is among sensors of a kind, and weigh each sensor's posterior again.
-
-    Parameters
-    ----------
-    sensors : sequence of mapping
-        Records with ``posterior``, ``causes``, ``competing`` and ``terms``.
-    """
+    """Estimate how common each cause is among sensors of a kind, and weigh each sensor's posterior again."""
     sets = sets_of(sensors, settings)
     weight = settings.fleet.prior_sensors
     number = sets.competes.sum(axis=0)
@@ -296,12 +285,8 @@ def _may_be_named(cause: Mapping[str, Any], record: Mapping[str, Any]) -> bool:
 def false_discoveries(names: Sequence[Name], named: float, accepted: float) -> dict[str, Any]:
     """False names to expect among those that are named: docs/method/several-tables.md, Eq. 62.
 
-    Parameters
-    ----------
-    named : float
-        Probability from which on a cause is named.
-    accepted : float
-        Part of false names that is accepted, for the longest list that has no more.
+    `named` is the probability from which on a cause is named, and `accepted` the part of false names of the
+    longest list that is accepted.
     """
 
     def of(probabilities: list[float]) -> dict[str, Any]:

@@ -28,14 +28,12 @@ from echocal.fleet.task import BYTES_A_ROW, digest, run_task, tasks_of
 from echocal.fleet.verdicts import FAILED, failure
 from echocal.keywords import as_here, keyword
 from echocal.model import Model
+from echocal.model.document import to_plain
 from echocal.model.folder import INDEX, index_text, named
-from echocal.model.plain import to_plain
 from echocal.observations.layout import Layout
 from echocal.observations.options import ReadOptions
 from echocal.outputs import replace_text
 from echocal.places import file_digest, stamp
-
-__all__ = ["Fleet", "Progress", "diagnose_fleet"]
 
 Records = list[dict[str, Any]]
 Progress = Callable[[int, int, int], object]
@@ -170,7 +168,7 @@ def diagnose_fleet(
     }
     checked = Settings.of(settings)
     with tempfile.TemporaryDirectory(prefix="echocal-") as scratch:
-        store = Store(Path(scratch) if out is None else _beside(Path(out)))
+        store = Store(Path(scratch) if out is None else Path(f"{Path(out)}.parts"))
         with store.locked():
             store.begin(_state(asked, files.sources, index.sensors, memory), force)
             job = {**asked, "store": str(store.folder.resolve()), "run": file_digest(store.job)}
@@ -250,8 +248,7 @@ def _records(
     for task in tasks:
         own = kept.get(task["number"]) or store.finished(task["number"])
         if own is None:
-            message = f"{store.path(task['number'])} is missing or damaged; run again"
-            raise UsageError(message)
+            raise UsageError(f"{store.path(task['number'])} is missing or damaged; run again")
         for one in own:
             found = ((tuple(ids), p) for ids, p in one["posterior"])
             one["posterior"] = [(shared.setdefault(ids, ids), p) for ids, p in found]
@@ -310,7 +307,3 @@ def _state(
 
 def _folder(path: str | Path | None) -> str | None:
     return None if path is None else str(Path(path).resolve())
-
-
-def _beside(out: Path) -> Path:
-    return out.with_name(f"{out.name}.parts")

@@ -12,7 +12,7 @@ import json
 import secrets
 import shutil
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -24,8 +24,6 @@ from echocal.keywords import keyword
 from echocal.observations.file import is_parquet
 from echocal.observations.layout import Layout
 from echocal.places import file_digest
-
-__all__ = ["KEY", "PLACE", "Store", "broken_files", "is_spilled", "pieces", "plan_spills", "put", "run_spill"]
 
 _JOB = "job.json"
 KEY = "_echocal_key"
@@ -43,14 +41,21 @@ def put(path: Path, data: bytes) -> str:
 
     It does not wait for the disk: who trusts the file later compares the SHA-256.
     """
+    with _unfinished(path) as unfinished:
+        unfinished.write_bytes(data)
+    return hashlib.sha256(data).hexdigest()
+
+
+@contextmanager
+def _unfinished(path: Path) -> Iterator[Path]:
+    """A file to write, which is then put in its place."""
     unfinished = path.with_name(f".{path.name[:50]}.{secrets.token_hex(8)}.unfinished")
     with writing(path):
         try:
-            unfinished.write_bytes(data)
+            yield unfinished
             unfinished.replace(path)
         finally:
             unfinished.unlink(missing_ok=True)
-    return hashlib.sha256(data).hexdigest()
 
 
 class Store:
@@ -60,14 +65,9 @@ class Store:
         self.folder = folder
         self.job = folder / _JOB
 
-    @contextmanager
-    def locked(self) -> Iterator[None]:
-        """Keep other runs out; the lock ends with the process, however it ends.
-
-        Raises `UsageError` if another run has the folder.
-        """
-        with locked(self.folder / FOLDER / "lock"):
-            yield
+    def locked(self) -> AbstractContextManager[bool]:
+        """Keep other runs out; see `echocal.correct.manifest.locked`."""
+        return locked(self.folder / FOLDER / "lock")
 
     def begin(self, job: Mapping[str, Any], force: bool) -> None:
         """Record what the run is, or find that it is the one that was begun.
@@ -80,23 +80,18 @@ class Store:
                 return
             if not force:
                 differing = ", ".join(sorted(k for k in {*before, *job} if before.get(k) != job.get(k)))
-                message = (
+                raise UsageError(
                     f"{self.folder} has the unfinished run of another request (it differs in: {differing}); "
                     f"repeat that request to finish it, or start anew with {keyword('force', True)}"
                 )
-                raise UsageError(message)
             self.clear()
         put(self.job, json.dumps(job, indent=1, sort_keys=True).encode())
 
     def check(self, run: str | None) -> None:
         """Refuse to write for a run that this folder is not of any more: its task has outlived it.
 
-        Raises `OutputError` if another run has begun since, or the run has ended.
-
-        Parameters
-        ----------
-        run : str or None
-            SHA-256 of the file that says what the run is; None: nobody else can have the folder.
+        Raises `OutputError` if another run has begun since, or the run has ended. `run` is the SHA-256 of
+        the file that says what the run is; None: nobody else can have the folder.
         """
         if run is not None and (not self.job.is_file() or file_digest(self.job) != run):
             message = f"{self.folder} was begun anew by another run, or has ended; this run leaves it alone"
@@ -145,14 +140,7 @@ def plan_spills(
 ) -> list[dict[str, Any]]:
     """Tasks that divide the files, none where reading them directly takes less; gives tasks their buckets.
 
-    Parameters
-    ----------
-    tasks : list of dict
-        The tasks of the diagnosis. Each gets a ``bucket`` if its sensors are divided.
-    job : mapping
-        What all tasks share.
-    most : int
-        Rows of a spill at most.
+    `job` is what all tasks share, and `most` the largest number of rows of a spill.
     """
     rows: dict[str, int] = {}
     for sensor in sensors:
@@ -211,13 +199,9 @@ def run_spill(task: Mapping[str, Any]) -> dict[str, Any]:
         store.check(job.get("run"))
         with writing(path):
             path.parent.mkdir(parents=True, exist_ok=True)
-            unfinished = path.with_name(f".{path.name}.{secrets.token_hex(8)}.unfinished")
-            try:
-                part.drop("_bucket").write_parquet(unfinished, compression="lz4")
-                store.check(job.get("run"))
-                unfinished.replace(path)
-            finally:
-                unfinished.unlink(missing_ok=True)
+        with _unfinished(path) as unfinished:
+            part.drop("_bucket").write_parquet(unfinished, compression="lz4")
+            store.check(job.get("run"))
     store.check(job.get("run"))
     put(_mark(folder, task["number"]), b"")
     return {"number": task["number"]}

@@ -12,8 +12,6 @@ from echocal.diagnose.settings import Settings
 from echocal.diagnose.settings.threshold import PROBABLE
 from echocal.fleet.prevalence import Judged, false_discoveries
 
-__all__ = ["SCHEMA", "summary", "together"]
-
 SCHEMA = "echocal.fleet/1"
 
 _WORST = 10  # sensors that are listed
@@ -25,12 +23,7 @@ def summary(
 ) -> dict[str, Any]:
     """Count verdicts and causes, and list the worst sensors and those that failed.
 
-    Parameters
-    ----------
-    rows : sequence of mapping
-        Rows of the table of verdicts.
-    seconds : float
-        That the run took [s].
+    `seconds` is the time that the run took.
     """
     measured = [one for one in rows if one["rms_before_mm"] is not None]
     return {
@@ -126,17 +119,7 @@ def _median(values: Sequence[float]) -> float | None:
 def together(rows: Sequence[Mapping[str, Any]], settings: Settings) -> list[dict[str, Any]]:
     """Pairs of causes that are claimed in the same sensors, and how many such sensors chance would make.
 
-    Fisher's exact test, divided among all pairs.
-
-    Parameters
-    ----------
-    rows : sequence of mapping
-        Rows of the table of verdicts.
-
-    Returns
-    -------
-    list of dict
-        ``ids``, ``sensors``, ``by_chance`` and ``p_value``, the least probable first.
+    Fisher's exact test, divided among all pairs; the least probable pair is the first.
     """
     judged = [row for row in rows if row["verdict"] != "failed"]
     single: Counter[str] = Counter()

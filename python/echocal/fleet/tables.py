@@ -17,8 +17,6 @@ from echocal.observations.layout import Layout
 from echocal.observations.source import load
 from echocal.places import stamp
 
-__all__ = ["Frame", "Opened", "label", "opened", "polars"]
-
 _HEADER = 1 << 20  # bytes that hold the header of a page
 _CRC = 4  # of PageHeader
 _ROWS = 1 << 16
@@ -32,18 +30,11 @@ def polars() -> Any:
     try:
         return import_module("polars")
     except ImportError:
-        message = "a fleet is read with polars: pip install 'echocal[batch]'"
-        raise UsageError(message) from None
+        raise UsageError("a fleet is read with polars: pip install 'echocal[batch]'") from None
 
 
 class Opened:
-    """A file whose columns are known, and can be read.
-
-    Attributes
-    ----------
-    path : Path
-    schema : mapping of str to polars.DataType
-    """
+    """A file whose columns are known, with their types in polars, and can be read."""
 
     def __init__(self, path: Path, lazy: Any, schema: Any) -> None:
         self.path, self._lazy, self.schema = path, lazy, schema
@@ -58,12 +49,8 @@ class Opened:
     ) -> Frame:
         """Read expressions of columns, of the rows for which an expression holds.
 
-        Raises `DataError` if the file cannot be read.
-
-        Parameters
-        ----------
-        rows : (int, int or None)
-            First of the rows that are looked at, and their number.
+        Raises `DataError` if the file cannot be read. `rows` is the first of the rows that are looked at,
+        and their number.
         """
         lazy = self._lazy if rows == (0, None) else self._lazy.slice(*rows)
         lazy = lazy if where is None else lazy.filter(where)
@@ -73,12 +60,8 @@ class Opened:
 def opened(path: Path, layout: Layout, *, compare: bool = True) -> Opened:
     """Open a file.
 
-    Raises `DataError` if it cannot be read.
-
-    Parameters
-    ----------
-    compare : bool
-        Whether the checksums of its pages are compared, where it has them: polars does not.
+    Raises `DataError` if it cannot be read. `compare`: the checksums of its pages are compared, where it has
+    them; polars does not.
     """
     pl = polars()
     file = TextFile(path, layout)
@@ -102,24 +85,14 @@ def _tried(path: Path, work: Any) -> Any:
         raise
     except (OSError, OverflowError, TypeError, ValueError, pl.exceptions.PolarsError) as error:
         reason = next(iter(str(error).splitlines()), type(error).__name__)
-        message = f"{path} cannot be read: {reason}"
-        raise DataError(message) from None
+        raise DataError(f"{path} cannot be read: {reason}") from None
     except BaseException as error:  # of one file: the others go on
         stop_if_told()
-        message = f"{path}: {unexpected(error)}"
-        raise DataError(message) from None
+        raise DataError(f"{path}: {unexpected(error)}") from None
 
 
 def label(name: str, kind: Any) -> Any:
-    """Expression of a column's values as text: whole numbers have no fraction, empty texts are null.
-
-    Parameters
-    ----------
-    name : str
-        The column.
-    kind : polars.DataType
-        Its type.
-    """
+    """Expression of a column's values as text: whole numbers have no fraction, empty texts are null."""
     pl = polars()
     column = pl.col(name)
     if kind.is_float():
@@ -150,8 +123,7 @@ def _compare(path: Path, _: tuple[tuple[str, object], ...]) -> None:
                 pass
     except (OSError, pa.ArrowException) as error:
         reason = next(iter(str(error).split("\n")), type(error).__name__)
-        message = f"{path} is damaged: {reason}"
-        raise DataError(message) from None
+        raise DataError(f"{path} is damaged: {reason}") from None
 
 
 def _has_checksums(path: Path) -> bool:
@@ -163,7 +135,7 @@ def _has_checksums(path: Path) -> bool:
                 first, count = f.chunk_range(chunk)
                 raw.seek(first)
                 try:
-                    return _CRC in thrift.read(raw.read(min(count, _HEADER)))[0]
+                    return _CRC in thrift.read(raw.read(min(count, _HEADER)))
                 except ValueError:  # the reader tells
                     return False
     return False

@@ -18,11 +18,12 @@ from typing import Any
 
 from echocal._core import __version__
 from echocal._interrupt import stop_if_told
+from echocal.correct.task import refuse_other_version
 from echocal.diagnose.pipeline import Examined, examined
 from echocal.diagnose.preprocess.reading import read
 from echocal.diagnose.progress import Steps
 from echocal.diagnose.request import Request
-from echocal.errors import EchocalError, UsageError, unexpected
+from echocal.errors import EchocalError, unexpected
 from echocal.fleet.gather import Log, logs
 from echocal.fleet.index import Sensor
 from echocal.fleet.store import Store, put
@@ -31,8 +32,6 @@ from echocal.model import document
 from echocal.model.plain import from_plain
 from echocal.observations.layout import Layout
 from echocal.observations.options import ReadOptions
-
-__all__ = ["BYTES_A_ROW", "digest", "run_task", "tasks_of"]
 
 SCHEMA = "echocal.fleet_task/1"
 
@@ -46,24 +45,11 @@ BYTES_A_ROW = 400
 def run_task(task: Mapping[str, Any]) -> dict[str, Any]:
     """Diagnose the sensors of a task.
 
-    Parameters
-    ----------
-    task : mapping
-        Plain data, as `echocal.fleet.task.tasks_of` makes it.
-
-    Returns
-    -------
-    dict
-        Plain data: number, sensors, how many failed, and seconds. A mistake in the data of a sensor never
-        raises; it is in the record of the sensor.
+    Task (see `tasks_of`) and result are plain data. A mistake in the data of a sensor never raises; it is in
+    the record of the sensor.
     """
     begun = time.perf_counter()
-    if task["schema"] != SCHEMA or task["version"] != __version__:
-        message = (
-            f"the task is of echocal {task['version']} ({task['schema']}), and this process has "
-            f"{__version__} ({SCHEMA}); install the same version everywhere"
-        )
-        raise UsageError(message)
+    refuse_other_version(task, SCHEMA)
     job = task["job"]
     store = Store(Path(job["store"]))
     store.check(job.get("run"))
@@ -167,16 +153,8 @@ def tasks_of(
 ) -> list[dict[str, Any]]:
     """Tasks as plain data. The same sensors and the same job make the same tasks.
 
-    Parameters
-    ----------
-    names : mapping of str to str
-        File of each sensor.
-    by : str or None
-        Column or level of the folders that has the key.
-    job : mapping
-        What all tasks share, as plain data.
-    memory : int
-        Bytes that one process may use for rows.
+    `names` are the files of the sensors, `job` is what all tasks share, and `memory` the bytes that one
+    process may use for rows.
     """
     places: dict[Path, int] = {}
     for sensor in sensors:

@@ -14,8 +14,6 @@ from echocal.errors import writing
 from echocal.fleet.tables import Frame, polars
 from echocal.outputs import replacing, spreadsheet_safe
 
-__all__ = ["COLUMNS", "FAILED", "failure", "record", "row", "table", "write"]
-
 _PARAMETER = {"name": "String", "value": "Float64", "standard_uncertainty": "Float64", "unit": "String"}
 COLUMNS = {
     "sensor": "String",
@@ -188,21 +186,9 @@ def record(found: Examined) -> dict[str, Any]:
 
 def failure(reason: str) -> dict[str, Any]:
     """The same of a sensor that cannot be diagnosed."""
-    return {
-        "verdict": FAILED,
-        "causes": [],
-        "posterior": [],
-        "competing": [],
-        "terms": False,
-        "named_from": None,
-        "gain": None,
-        "rows": None,
-        "noise_m": None,
-        "unexplained": None,
-        "refuted": [],
-        "notes": [],
-        "error": reason,
-    }
+    nothing = dict.fromkeys(("named_from", "gain", "rows", "noise_m", "unexplained"))
+    none: dict[str, Any] = {name: [] for name in ("causes", "posterior", "competing", "refuted", "notes")}
+    return {"verdict": FAILED, "terms": False, "error": reason, **nothing, **none}
 
 
 def _cause(cause: Mapping[str, Any]) -> dict[str, Any]:

@@ -8,8 +8,6 @@ import numpy as np
 from echocal.errors import ModelError
 from echocal.model.shape import DISTANCE, Shape, Smooth, is_extra
 
-__all__ = ["corrected", "indicated", "others", "variance"]
-
 _ROUNDS = 6  # of the fixed point for a shape against the distance, whose slope is a few percent at most
 
 Inverse = Callable[[Any, dict[str, Any]], Any]
@@ -86,5 +84,4 @@ def others(shape: Shape | Smooth | None, given: Mapping[str, Any]) -> dict[str, 
 
 def _refuse_out(given: Mapping[str, Any]) -> None:
     if given.get("out") is not None:
-        message = "a model with a shape makes a new array: leave out= away"
-        raise ModelError(message)
+        raise ModelError("a model with a shape makes a new array: leave out= away")

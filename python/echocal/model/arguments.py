@@ -10,8 +10,6 @@ from echocal.conditions import numbers
 from echocal.errors import ModelError
 from echocal.registry import find_effect
 
-__all__ = ["apart", "by_name", "fixed", "numeric", "refuse_no_text", "refuse_standstill", "terms"]
-
 _ROUNDING = 1e-9  # relative asymmetry that a solver may leave
 
 K = TypeVar("K")
@@ -21,15 +19,13 @@ V = TypeVar("V")
 def terms(effects: Mapping[str, Mapping[str, float]]) -> list[tuple[str, list[tuple[str, float]]]]:
     """Return effects in the form that the core takes, or raise `ModelError`."""
     if not isinstance(effects, Mapping) or not all(isinstance(own, Mapping) for own in effects.values()):
-        message = (
+        raise ModelError(
             f"effects map an id to its parameters, e.g. {{'fixed_delay': {{'delay': 3e-5}}}}; got {effects!r}"
         )
-        raise ModelError(message)
     for id_, own in effects.items():
         for name, value in own.items():
             if isinstance(value, str) or not hasattr(value, "__float__"):
-                message = f"{id_}.{name} is {value!r}; give a number"
-                raise ModelError(message)
+                raise ModelError(f"{id_}.{name} is {value!r}; give a number")
     return [(id_, list(own.items())) for id_, own in effects.items()]
 
 
@@ -54,8 +50,7 @@ def apart(given: Mapping[str, Any]) -> tuple[dict[str, Any], Any, Any]:
 def refuse_no_text(law: object) -> None:
     """Raise `ModelError` where a law is given by no text."""
     if not isinstance(law, str):
-        message = f"the law is {law!r}; give a name ('cramer') or an expression ('331.3+0.606*T')"
-        raise ModelError(message)
+        raise ModelError(f"the law is {law!r}; give a name ('cramer') or an expression ('331.3+0.606*T')")
 
 
 def refuse_standstill(law: str) -> None:
@@ -65,8 +60,7 @@ def refuse_standstill(law: str) -> None:
     except ValueError:
         return  # depends on the air
     if speed <= 0.0:
-        message = f"law '{law}' is a speed of {speed:g} m/s; give a positive one, such as '343'"
-        raise ModelError(message)
+        raise ModelError(f"law '{law}' is a speed of {speed:g} m/s; give a positive one, such as '343'")
 
 
 def by_name(id_: str, values: list[float]) -> dict[str, float]:

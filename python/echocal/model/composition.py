@@ -19,8 +19,6 @@ from echocal.quantities import QUANTITIES
 from echocal.registry import find_effect
 from echocal.shown import Shown
 
-__all__ = ["Model"]
-
 Values = NDArray[np.float64]
 
 
@@ -360,8 +358,7 @@ class Model(Shown):
         if self.shape is not None:
             kind = "a smooth correction" if isinstance(self.shape, Smooth) else "an unexplained term"
             has = f"the model has {kind} against {self.shape.against}"
-            message = f"{has}, and {what} cannot use it; Model.without_shape() removes it"
-            raise ModelError(message)
+            raise ModelError(f"{has}, and {what} cannot use it; Model.without_shape() removes it")
 
     def __repr__(self) -> str:
         air = f", air={self.air}" if self.air else ""

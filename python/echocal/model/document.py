@@ -15,13 +15,11 @@ from echocal.model.shape import Shape, Smooth
 from echocal.outputs import replace_text
 from echocal.registry import find_effect
 
-__all__ = ["NEWEST", "SCHEMA", "content", "digest", "sha256", "text_of", "write"]
-
 NEWEST = 1
 SCHEMA = f"echocal.model/{NEWEST}"
 
 
-class Described(Protocol):
+class _Described(Protocol):
     """What a file holds of a model."""
 
     air: Mapping[str, float]
@@ -39,7 +37,7 @@ class Described(Protocol):
     def standard_uncertainties(self) -> dict[str, float | None]: ...
 
 
-def content(model: Described) -> dict[str, Any]:
+def content(model: _Described) -> dict[str, Any]:
     """Return what the hash covers: all that the model computes with."""
     uncertainties = model.standard_uncertainties
 
@@ -84,20 +82,24 @@ def sha256(data: Any) -> str:
     return hashlib.sha256(canonical.encode()).hexdigest()
 
 
-def text_of(model: Described) -> str:
+def to_plain(model: _Described) -> dict[str, Any]:
+    """A model as its file has it, schema ``echocal.model/1``, with its hash."""
+    document = content(model)
+    return {**document, "hash": digest(document), "data": model.provenance}
+
+
+def text_of(model: _Described) -> str:
     """A model's file as text.
 
     Raises `TypeError`, `ValueError`, `RecursionError` if its provenance is not plain data with finite
     numbers.
     """
-    document = content(model)
-    complete = {**document, "hash": digest(document), "data": model.provenance}
-    text = json.dumps(complete, indent=1, allow_nan=False, ensure_ascii=False)
+    text = json.dumps(to_plain(model), indent=1, allow_nan=False, ensure_ascii=False)
     text.encode()  # a lone surrogate cannot be
     return text + "\n"
 
 
-def write(model: Described, path: Path) -> None:
+def write(model: _Described, path: Path) -> None:
     """Write a model's file."""
     try:
         text = text_of(model)

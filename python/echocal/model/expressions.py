@@ -8,8 +8,6 @@ import numpy as np
 
 from echocal.errors import UsageError
 
-__all__ = ["among", "over"]
-
 
 def among(first: object, conditions: Mapping[str, object]) -> bool:
     """Return whether an argument is a polars expression; polars is not imported for that."""
@@ -24,18 +22,9 @@ def over(function: Callable[..., Any], first: Any, conditions: Mapping[str, Any]
     """Return the expression of a function of rows.
 
     Every row is independent, so polars may split the rows as it likes: the results are the same. Raises
-    `UsageError` if `out` or `n_threads` is given: polars decides on both.
-
-    Parameters
-    ----------
-    function : callable
-        Of the first argument and the conditions by keyword; it gets and returns arrays.
-    first : expression or number
-        First argument.
-    conditions : mapping of str to expression or number
-        The conditions; None is not given.
-    name : str
-        Name of the column that results.
+    `UsageError` if `out` or `n_threads` is given: polars decides on both. The function gets the first
+    argument and the conditions by keyword, as arrays; None is not given. `name` is that of the column that
+    results.
     """
     import polars as pl
 

@@ -18,8 +18,6 @@ from echocal.errors import DataError, ModelError
 from echocal.keywords import keyword
 from echocal.model.composition import Model
 
-__all__ = ["INDEX", "WHOLE", "ModelFolder", "file_name", "index_text", "label", "named"]
-
 INDEX = "index.json"
 _SCHEMA = "echocal.models/1"
 _UNSAFE = re.compile(r"[^\w.-]+")
@@ -32,10 +30,7 @@ WHOLE = r"^(-?(?:0|[1-9][0-9]*))\.0+$"
 def file_name(key: str, *, taken: bool = False) -> str:
     """Name of the file that the model of a key is in; with a hash of the key where it is long.
 
-    Parameters
-    ----------
-    taken : bool
-        Whether another key has that name: this one then has the hash, too.
+    Where another key has taken that name, this one has the hash, too.
 
     Examples
     --------
@@ -78,8 +73,7 @@ class ModelFolder:
     def __init__(self, folder: Path) -> None:
         self.folder = folder
         if not folder.is_dir():
-            message = f"{keyword('models', str(folder))} is no folder of models"
-            raise ModelError(message)
+            raise ModelError(f"{keyword('models', str(folder))} is no folder of models")
         self._index = _read_index(folder / INDEX)
         self._models: dict[str, Model | None] = {}
         self._claimed: dict[str, str] = {}
@@ -103,8 +97,7 @@ class ModelFolder:
             try:
                 content = hashlib.sha256(file.read_bytes())
             except OSError as error:
-                message = f"{file} cannot be read: {error.strerror or error}"
-                raise ModelError(message) from None
+                raise ModelError(f"{file} cannot be read: {error.strerror or error}") from None
             total.update(os.fsencode(file.name) + b"\0" + content.digest())
         return total.hexdigest()
 
@@ -114,11 +107,10 @@ class ModelFolder:
         file = file_name(key)
         first = self._claimed.setdefault(file.lower(), key)
         if first != key:
-            message = (
+            raise DataError(
                 f"the keys '{first}' and '{key}' would have the same model file {file}; name the files in "
                 f"{self.folder / INDEX}"
             )
-            raise DataError(message)
         return file if (self.folder / file).is_file() else None
 
 
@@ -131,20 +123,16 @@ def _read_index(file: Path) -> Mapping[str, str] | None:
         if content["schema"] != _SCHEMA or not all(isinstance(name, str) for name in models.values()):
             raise ValueError("another schema")
     except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
-        message = (
+        raise ModelError(
             f'{file} is no index of models ({error}); it is {{"schema": "{_SCHEMA}", "models": {{...}}}}'
-        )
-        raise ModelError(message) from None
+        ) from None
     return {str(key): name for key, name in models.items()}
 
 
 def named(keys: Iterable[str], taken: Iterable[str] = ()) -> dict[str, str]:
     """File of each key: the key with signs that a file name may have; one that is taken gets a number.
 
-    Parameters
-    ----------
-    taken : iterable of str
-        Names of other files, besides the index.
+    `taken` are names of other files, besides the index.
 
     Examples
     --------

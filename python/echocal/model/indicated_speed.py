@@ -2,8 +2,6 @@
 
 from echocal.model.composition import Model
 
-__all__ = ["INDICATION_SPEED", "indication_law", "speed_of"]
-
 INDICATION_SPEED = "indication_speed"
 """What a model keeps of a base that is a fixed speed: its effects count from the readings of that device."""
 

@@ -15,8 +15,6 @@ from echocal.keywords import by_caller, keyword
 from echocal.quantities import AIR, DEFAULTS, FROM_THERMOMETERS, QUANTITIES
 from echocal.registry import find_effect
 
-__all__ = ["Needs", "assumed", "of", "of_thermometers"]
-
 
 @dataclass(frozen=True)
 class Needs:
@@ -42,8 +40,7 @@ class Needs:
                         f"'temperature_box_C'}}), or pass {name}=...",
                         "the file of a model says under columns which further thermometer it is",
                     )
-                    message = f"{who} needs {name} [degC], which is not given; {way}"
-                    raise DataError(message)
+                    raise DataError(f"{who} needs {name} [degC], which is not given; {way}")
                 record = f"record {source} (read_observations derives it)" if source else "record it"
                 message = f"{who} needs {name} [{QUANTITIES[name].unit}], which is not given; "
                 message += by_caller(
@@ -54,11 +51,10 @@ class Needs:
                 raise AbsentError(message, name)
         for name, who in self.excluded.items():
             if name in conditions:
-                message = (
+                raise DataError(
                     f"{who} replaces a {name} that was not recorded, but {name} is given and would "
                     f"count twice; drop the effect, or do not give {name}"
                 )
-                raise DataError(message)
 
     def warn_outside(
         self, conditions: Mapping[str, ArrayLike], effects: Mapping[str, Mapping[str, float]]
@@ -78,31 +74,26 @@ def assumed(air: Mapping[str, float]) -> dict[str, float]:
     """Return the assumed air, checked: known quantities, possible values."""
     for name, value in air.items():
         if name not in QUANTITIES:
-            message = f"air has unknown quantity '{name}'; known: {', '.join(QUANTITIES)}"
-            raise ModelError(message)
+            raise ModelError(f"air has unknown quantity '{name}'; known: {', '.join(QUANTITIES)}")
         unit = QUANTITIES[name].unit
         if not isinstance(value, Real) or not isfinite(value):
-            message = f"air.{name} is {value!r}; give a finite number [{unit}]"
-            raise ModelError(message)
+            raise ModelError(f"air.{name} is {value!r}; give a finite number [{unit}]")
         low, high = QUANTITIES[name].possible
         if not low <= value <= high:
-            message = f"air.{name} is {value:g}, outside {low:g} .. {high:g} [{unit}]"
-            raise ModelError(message)
+            raise ModelError(f"air.{name} is {value:g}, outside {low:g} .. {high:g} [{unit}]")
     return {name: float(value) for name, value in air.items()}
 
 
 def of_thermometers(columns: Mapping[str, str]) -> dict[str, str]:
     """Return the columns that quantities are read from, checked: the quantity may be in several columns."""
     if not isinstance(columns, Mapping):
-        message = f"columns maps quantities to names of columns; got {columns!r}"
-        raise ModelError(message)
+        raise ModelError(f"columns maps quantities to names of columns; got {columns!r}")
     for quantity, column in columns.items():
         if quantity not in FROM_THERMOMETERS or not isinstance(column, str) or not column:
-            message = (
+            raise ModelError(
                 f"columns has '{quantity}': {column!r}; give the name of a column for "
                 f"{' or '.join(FROM_THERMOMETERS)}"
             )
-            raise ModelError(message)
     return dict(columns)
 
 

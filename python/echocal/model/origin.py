@@ -3,8 +3,6 @@
 from collections.abc import Mapping
 from typing import Any
 
-__all__ = ["diagnosed"]
-
 
 def diagnosed(provenance: Mapping[str, Any]) -> list[str]:
     """Verdict, class and member of each cause, and gain; empty where no diagnosis has left them.

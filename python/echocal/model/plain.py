@@ -4,17 +4,8 @@ import json
 from pathlib import Path
 from typing import Any
 
-from echocal.model import document
 from echocal.model.composition import Model
 from echocal.model.reading import built
-
-__all__ = ["from_plain", "to_plain"]
-
-
-def to_plain(model: Model) -> dict[str, Any]:
-    """The model as its file has it, schema ``echocal.model/1``, with its hash."""
-    content = document.content(model)
-    return {**content, "hash": document.digest(content), "data": model.provenance}
 
 
 def from_plain(plain: dict[str, Any], origin: str = "the model of the task") -> Model:
@@ -25,6 +16,8 @@ def from_plain(plain: dict[str, Any], origin: str = "the model of the task") -> 
     Examples
     --------
     >>> from echocal.model import Model
+    >>> from echocal.model.document import to_plain
+    >>> from echocal.model.plain import from_plain
     >>> from_plain(to_plain(Model("linear", {"zero_error": {"offset": 2e-3}}))).effects
     {'zero_error': {'offset': 0.002}}
     """

@@ -17,8 +17,6 @@ from echocal.model.residual_uncertainty import ResidualUncertainty
 from echocal.model.shape import Shape, Smooth
 from echocal.registry import find_effect
 
-__all__ = ["built"]
-
 _WIDEST = 1e150  # standard uncertainty whose square is still a number
 _DIGITS = 9  # of a schema's number; more are a mistake
 
@@ -98,8 +96,7 @@ def built(model: Callable[..., M], path: Path, text: str | None = None) -> M:
         own = arranged_covariance(covariance, listed, bare.parameter_names)
         return bare if own is None else bare.with_covariance(own)
     except ModelError as error:
-        message = f"{path}: {error}"
-        raise ModelError(message) from None
+        raise ModelError(f"{path}: {error}") from None
 
 
 def _read(path: Path, text: str | None) -> tuple[dict[str, Any], Any, tuple[str, ...]]:
@@ -111,44 +108,37 @@ def _read(path: Path, text: str | None) -> tuple[dict[str, Any], Any, tuple[str,
         arguments, covariance = _arguments(file), _covariance(file)
         _check_hash(file, document)
     except OSError as error:
-        message = f"cannot read model file {path}: {error.strerror}"
-        raise ModelError(message) from None
+        raise ModelError(f"cannot read model file {path}: {error.strerror}") from None
     except ValidationError as error:
         first = error.errors(include_url=False)[0]
         place = ".".join(str(part) for part in first["loc"])
         message = f"{path}: {place}: {first['msg']} (found {reprlib.repr(first['input']):.60})"
         raise ModelError(message) from None
     except UsageError as error:
-        message = f"{path}: {error}"
-        raise ModelError(message) from None
+        raise ModelError(f"{path}: {error}") from None
     return arguments, covariance, tuple(_uncertainties(file))
 
 
 def _parse(path: Path, text: str | None) -> dict[str, Any]:
     def refuse(constant: str) -> NoReturn:
-        message = f"has {constant} for a number; a model has finite values only"
-        raise ModelError(message)
+        raise ModelError(f"has {constant} for a number; a model has finite values only")
 
     try:
         text = path.read_text(encoding="utf-8-sig") if text is None else text
     except UnicodeDecodeError:
         raise ModelError("is not JSON, not even text") from None
     except ValueError as error:  # a NUL byte, a lone surrogate
-        message = f"cannot be the name of a file: {error}"
-        raise ModelError(message) from None
+        raise ModelError(f"cannot be the name of a file: {error}") from None
     try:
         document = json.loads(text, parse_constant=refuse, object_pairs_hook=_once)
     except json.JSONDecodeError as error:
-        message = f"is not JSON: line {error.lineno}, column {error.colno}: {error.msg}"
-        raise ModelError(message) from None
+        raise ModelError(f"is not JSON: line {error.lineno}, column {error.colno}: {error.msg}") from None
     except ModelError:
         raise
     except (RecursionError, ValueError) as error:  # endless nesting, thousands of digits
-        message = f"is no model: {error}"
-        raise ModelError(message) from None
+        raise ModelError(f"is no model: {error}") from None
     if not isinstance(document, dict):
-        message = f"is no model: expected an object of schema {SCHEMA}"
-        raise ModelError(message)
+        raise ModelError(f"is no model: expected an object of schema {SCHEMA}")
     return document
 
 
@@ -157,8 +147,7 @@ def _once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     names = [name for name, _ in pairs]
     repeated = next((name for name in names if names.count(name) > 1), None)
     if repeated is not None:
-        message = f"has '{repeated}' twice in one object; keep the one that is meant"
-        raise ModelError(message)
+        raise ModelError(f"has '{repeated}' twice in one object; keep the one that is meant")
     return dict(pairs)
 
 
@@ -169,26 +158,23 @@ def _check_schema(document: dict[str, Any]) -> None:
         message = f"written by a newer echocal: schema {schema}; this one reads up to /{NEWEST}; update"
         raise ModelError(message)
     if schema != SCHEMA:
-        message = f"schema is {reprlib.repr(schema)}; expected '{SCHEMA}'"
-        raise ModelError(message)
+        raise ModelError(f"schema is {reprlib.repr(schema)}; expected '{SCHEMA}'")
 
 
 def _check_hash(file: _File, document: dict[str, Any]) -> None:
     found = digest(document)
     if file.hash is not None and file.hash != found:
-        message = (
+        raise ModelError(
             f"hash is {file.hash[:12]}..., the content has {found[:12]}...: it was edited or damaged; "
             "if the edit is meant, delete the hash"
         )
-        raise ModelError(message)
 
 
 def _arguments(file: _File) -> dict[str, Any]:
     ids = [effect.id for effect in file.effects]
     repeated = next((id_ for id_ in ids if ids.count(id_) > 1), None)
     if repeated:
-        message = f"effect '{repeated}' is listed twice"
-        raise ModelError(message)
+        raise ModelError(f"effect '{repeated}' is listed twice")
     for effect in file.effects:
         _check_units(effect)
         _check_sizes(effect)
@@ -225,8 +211,7 @@ def _check_units(effect: _Effect) -> None:
     for name, parameter in effect.parameters.items():
         expected = units.get(name, parameter.unit)
         if parameter.unit not in {None, expected}:
-            message = f"{effect.id}.{name} is in '{parameter.unit}'; expected '{expected}'"
-            raise ModelError(message)
+            raise ModelError(f"{effect.id}.{name} is in '{parameter.unit}'; expected '{expected}'")
 
 
 def _check_sizes(effect: _Effect) -> None:
@@ -234,11 +219,10 @@ def _check_sizes(effect: _Effect) -> None:
     sizes = [parameter for parameter in find_effect(effect.id).parameters if parameter.role == "size"]
     if sizes and not any(parameter.name in effect.parameters for parameter in sizes):
         first = sizes[0]
-        message = (
+        raise ModelError(
             f"effect '{effect.id}' has no parameter '{first.name}', so it would change nothing; "
             f'give it: {{"{first.name}": {{"value": ..., "unit": "{first.unit}"}}}}'
         )
-        raise ModelError(message)
 
 
 def _uncertainties(file: _File) -> dict[str, float | None]:
@@ -265,14 +249,12 @@ def _covariance(file: _File) -> Any:
     stated = _uncertainties(file)
     for name, uncertainty in stated.items():
         if uncertainty is not None and uncertainty > _WIDEST:
-            message = f"{name} has standard_uncertainty {uncertainty:g}; give {_WIDEST:g} at most"
-            raise ModelError(message)
+            raise ModelError(f"{name} has standard_uncertainty {uncertainty:g}; give {_WIDEST:g} at most")
     known = {name: u for name, u in stated.items() if u is not None}
     if file.covariance is not None:
         for (name, uncertainty), variance in zip(stated.items(), _diagonal(file.covariance), strict=False):
             if uncertainty is not None and not np.isclose(variance, uncertainty**2, rtol=1e-6, atol=0.0):
-                message = f"{name} has standard_uncertainty {uncertainty:g} but variance {variance:g}"
-                raise ModelError(message)
+                raise ModelError(f"{name} has standard_uncertainty {uncertainty:g} but variance {variance:g}")
         return file.covariance  # its shape is checked against the model's parameters
     if known and len(known) < len(stated):
         unstated = next(name for name in stated if name not in known)

@@ -5,13 +5,10 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from echocal.arrays import Column
 from echocal.errors import ModelError
-
-__all__ = ["ResidualUncertainty"]
-
-Column = NDArray[np.float64]
 
 _CLASSES = 50  # of the distance, in which squares are summed: a variance that is linear in d^2 needs no more
 _FINEST = 1e-6**2  # m^2, least variance that a rounding is compared with; far below that of any sensor

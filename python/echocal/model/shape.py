@@ -7,13 +7,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from echocal.arrays import Column
 from echocal.errors import DataError, ModelError
 from echocal.model.residual_uncertainty import ResidualUncertainty
 from echocal.quantities import QUANTITIES
-
-__all__ = ["DISTANCE", "Shape", "Smooth", "is_extra"]
-
-Column = NDArray[np.float64]
 
 DISTANCE = "distance"
 """Name under which a shape is a function of the true distance."""
@@ -64,12 +61,11 @@ class Shape:
         numbers = np.array([*self.at, *self.shift, *self.standard_uncertainty])
         fits = len(lengths) == 1 and len(self.at) >= 2 and np.isfinite(numbers).all()
         if not fits or not (np.diff(self.at) > 0).all() or min(self.standard_uncertainty) < 0:
-            message = (
+            raise ModelError(
                 f"the shape against {self.against} needs at, shift and standard_uncertainty of one length of "
                 f"2 or more, finite, at ascending; they have {len(self.at)}, {len(self.shift)} and "
                 f"{len(self.standard_uncertainty)}"
             )
-            raise ModelError(message)
 
     def of(self, values: ArrayLike) -> Column:
         """Shift [m] at values of the column; NaN where the value is NaN."""
@@ -87,11 +83,10 @@ class Shape:
     def column(self, conditions: dict[str, Any]) -> Any:
         """Values of its column among what is given."""
         if self.against not in conditions:
-            message = (
+            raise DataError(
                 f"the model has an unexplained term against {self.against}, and {self.against} is "
                 "not given: record it, or use the model without its shape (Model.without_shape)"
             )
-            raise DataError(message)
         return conditions[self.against]
 
     def to_dict(self) -> dict[str, Any]:
@@ -144,11 +139,10 @@ class Smooth:
     def __post_init__(self) -> None:
         names = [term.against for term in self.terms]
         if not names or len(set(names)) < len(names) or not np.isfinite(self.offset):
-            message = (
+            raise ModelError(
                 "a smooth correction needs a finite offset and one term for each of its columns; it has "
                 f"the offset {self.offset} and terms against {', '.join(names) or 'no column'}"
             )
-            raise ModelError(message)
 
     @property
     def against(self) -> str:
@@ -191,11 +185,10 @@ class Smooth:
 
     def _column(self, term: Shape, given: Mapping[str, Any]) -> Column:
         if term.against not in given:
-            message = (
+            raise DataError(
                 f"the model has a smooth correction against {self.against}, and {term.against} is not "
                 "given: record it, or use the model without the correction (Model.without_shape)"
             )
-            raise DataError(message)
         return np.asarray(given[term.against], dtype=float)
 
     def to_dict(self) -> dict[str, Any]:

@@ -13,15 +13,13 @@ from echocal.model import added
 from echocal.model.residual_uncertainty import ResidualUncertainty
 from echocal.model.shape import Shape, Smooth
 
-__all__ = ["Parts", "parts", "standard_uncertainty", "stated"]
-
 Values = NDArray[np.float64]
 
 _STATED_AT = (0.5, 1.0, 2.0, 4.0)  # m: where the files of a device state the uncertainty of a distance
 _REFERENCE_TEMPERATURE = 20.0  # degC; ISO 1:2022
 
 
-class Uncertain(Protocol):
+class _Uncertain(Protocol):
     """What a model knows of its uncertainty."""
 
     air: Mapping[str, float]
@@ -58,7 +56,7 @@ class Parts:
 
 
 def standard_uncertainty(
-    model: Uncertain, distance: ArrayLike, conditions: Mapping[str, ArrayLike | None]
+    model: _Uncertain, distance: ArrayLike, conditions: Mapping[str, ArrayLike | None]
 ) -> Values:
     """Return the standard uncertainty of corrected distances [m].
 
@@ -96,7 +94,7 @@ def standard_uncertainty(
     return np.sqrt(np.where(np.isnan(distance), np.nan, found.variance))
 
 
-def parts(model: Uncertain, distance: ArrayLike, conditions: Mapping[str, ArrayLike | None]) -> Parts | None:
+def parts(model: _Uncertain, distance: ArrayLike, conditions: Mapping[str, ArrayLike | None]) -> Parts | None:
     """Return what the standard uncertainty of corrected distances is made of; None if none is stated."""
     distance = np.asarray(distance, dtype=np.float64)
     if model.covariance is None and model.residual_uncertainty is None and model.shape is None:
@@ -115,7 +113,7 @@ def parts(model: Uncertain, distance: ArrayLike, conditions: Mapping[str, ArrayL
     return Parts(sensitivities, model.covariance, np.sqrt(shape) / np.abs(slope), np.sqrt(residual))
 
 
-def stated(model: Uncertain, air: Mapping[str, float], longest: float) -> list[tuple[float, float]]:
+def stated(model: _Uncertain, air: Mapping[str, float], longest: float) -> list[tuple[float, float]]:
     """Distances up to the longest [m] and their standard uncertainties [m], at 20 degC.
 
     None where the model states no uncertainty, or asks for a condition that `air` does not have.

@@ -9,8 +9,6 @@ from echocal.explore import FORMS, TWO_INPUTS
 from echocal.firmware import Firmware, generate
 from echocal.model import Model
 
-__all__ = ["Considered", "considered"]
-
 
 @dataclass(frozen=True)
 class Considered:
@@ -30,17 +28,9 @@ def considered(
 ) -> list[Considered]:
     """Design and prove every form for one request, without measuring it.
 
-    Parameters
-    ----------
-    progress : callable, optional
-        Called with the form, the number of finished ones and of all.
-    **request
-        Further arguments of `echocal.firmware.generate`, but ``form``.
-
-    Returns
-    -------
-    list of Considered
-        In the order of their cost by the model of the search; those that cannot meet the bound last.
+    In the order of their cost by the model of the search; those that cannot meet the bound last. `request`
+    has further arguments of `echocal.firmware.generate`; `progress` is called with the form, the number of
+    finished ones and of all.
 
     Examples
     --------

@@ -14,8 +14,6 @@ from echocal.model import Model
 from echocal.pages.considered import Considered
 from echocal.report.html.document import rendered
 
-__all__ = ["firmware_page"]
-
 _ECHOES, _LINES = 300, 5
 _MM, _US = 1e3, 1e6
 _NOTES = (
@@ -32,14 +30,7 @@ def firmware_page(
 ) -> str:
     """A firmware as an HTML document that needs no other file and no network.
 
-    Parameters
-    ----------
-    model : Model
-        The model that it follows.
-    forms : sequence of Considered
-        Forms that were tried.
-    assumed : mapping of str to float, optional
-        Values of conditions that the device does not measure.
+    `forms` were tried; `assumed` are values of conditions that the device does not measure.
     """
     report = made.report
     name = report["provenance"]["target"]

@@ -9,8 +9,6 @@ from echocal.study.origin import CAUSES
 from echocal.study.report import MARKS
 from echocal.study.verdict import Finding, Verdict
 
-__all__ = ["study_page"]
-
 _TONES = ("three", "two", "one")
 _MM = 1e3
 

@@ -6,8 +6,6 @@ from dataclasses import dataclass
 
 from echocal.errors import DataError
 
-__all__ = ["BYTES", "VERSION", "Block", "crc16"]
-
 VERSION = 1
 """Version of the layout."""
 
@@ -32,21 +30,11 @@ def crc16(data: bytes) -> int:
 
 @dataclass(frozen=True)
 class Block:
-    """The parameters of one unit.
+    """The parameters of one unit."""
 
-    Attributes
-    ----------
-    number : int
-        Number of the unit, 0 to 4,294,967,295.
-    delay : int
-        Delay [2^-5 us].
-    rate : int
-        Rate ``f / (1 + f)`` of a frequency error ``f`` [2^-19].
-    """
-
-    number: int
-    delay: int
-    rate: int
+    number: int  # of the unit, 0 to 4,294,967,295
+    delay: int  # [2^-5 us]
+    rate: int  # ``f / (1 + f)`` of a frequency error ``f`` [2^-19]
 
     def to_bytes(self) -> bytes:
         """Return the block.
@@ -63,22 +51,16 @@ class Block:
     def from_bytes(cls, data: bytes) -> "Block":
         """Read a block.
 
-        Raises
-        ------
-        DataError
-            If its size, its version or its checksum is wrong.
+        Raises `DataError` if its size, its version or its checksum is wrong.
         """
         if len(data) != BYTES:
-            message = f"a block of unit data has {BYTES} bytes, not {len(data)}"
-            raise DataError(message)
+            raise DataError(f"a block of unit data has {BYTES} bytes, not {len(data)}")
         fields, check = data[: _FIELDS.size], _CHECK.unpack(data[_FIELDS.size :])[0]
         version, _, number, delay, rate = _FIELDS.unpack(fields)
         if version != VERSION:
-            message = f"the block has version {version}, this echocal reads version {VERSION}"
-            raise DataError(message)
+            raise DataError(f"the block has version {version}, this echocal reads version {VERSION}")
         if check != crc16(fields):
-            message = (
+            raise DataError(
                 f"the block's CRC is 0x{check:04X}, that of its bytes 0x{crc16(fields):04X}: it is damaged"
             )
-            raise DataError(message)
         return cls(number, delay, rate)

@@ -9,8 +9,6 @@ from echocal.keywords import exact, keyword
 from echocal.model import Model
 from echocal.registry import find_effect
 
-__all__ = ["PARAMETERS", "Box", "Parameter", "Side"]
-
 
 @dataclass(frozen=True)
 class Parameter:
@@ -18,25 +16,15 @@ class Parameter:
 
     It changes an echo time by a straight line that is the same at every distance and in all conditions. So
     the function that is proven for one value of it is proven for all.
-
-    Attributes
-    ----------
-    effect, name : str
-        The effect, and its parameter.
-    unit : str
-        Unit in a model, and of a box.
-    steps : float
-        How many steps of the block make one unit.
-    reach : float
-        Half the width of the default box, around the value of the model. Both together stay below 256 echo
-        codes of 1 us at 4 m, so that one byte holds the whole codes and one byte their fraction.
     """
 
     effect: str
     name: str
-    unit: str
-    steps: float
+    unit: str  # unit in a model, and of a box
+    steps: float  # how many steps of the block make one unit
     reach: float
+    """Half the width of the default box, around the value of the model. Both together stay below 256 echo
+    codes of 1 us at 4 m, so that one byte holds the whole codes and one byte their fraction."""
 
     @property
     def key(self) -> str:
@@ -70,24 +58,15 @@ PARAMETERS = (
 
 @dataclass(frozen=True)
 class Side:
-    """The allowed values of one parameter.
-
-    Attributes
-    ----------
-    parameter : Parameter
-    low, high : float
-        Ends, included.
-    default : float
-        The value of the model, which a unit without a valid block gets.
-    free : bool
-        Whether units differ in it. Otherwise both ends are the value of the model.
-    """
+    """The allowed values of one parameter."""
 
     parameter: Parameter
+    # low, high: ends, included
     low: float
     high: float
-    default: float
+    default: float  # the value of the model, which a unit without a valid block gets
     free: bool
+    """Whether units differ in it. Otherwise both ends are the value of the model."""
 
     @property
     def least(self) -> int:
@@ -107,12 +86,7 @@ class Side:
 
 @dataclass(frozen=True)
 class Box:
-    """The allowed parameters of a unit.
-
-    Attributes
-    ----------
-    delay, clock : Side
-    """
+    """The allowed parameters of a unit."""
 
     delay: Side
     clock: Side
@@ -144,14 +118,12 @@ class Box:
         known = {parameter.effect: parameter for parameter in PARAMETERS}
         for effect in ends:
             if effect not in known:
-                message = (
+                raise UsageError(
                     f"{keyword('per_unit', effect)}: no parameter of this effect can differ from unit to "
                     f"unit; this version has {', '.join(known)}"
                 )
-                raise UsageError(message)
         if not ends:
-            message = f"{keyword('per_unit')} names no effect: give {', '.join(known)}, or both"
-            raise UsageError(message)
+            raise UsageError(f"{keyword('per_unit')} names no effect: give {', '.join(known)}, or both")
         return cls(*(_side(model, known[effect], ends) for effect in known))
 
     @classmethod
@@ -225,11 +197,10 @@ def _side(model: Model, parameter: Parameter, ends: Mapping[str, tuple[float, fl
         message = f"{given} is no range within the bounds of {parameter.key}, {least:g} .. {most:g}{unit}"
         raise UsageError(message)
     if not low <= value <= high:
-        message = (
+        raise UsageError(
             f"{given} does not hold the model's own {parameter.key}, {value:g}{unit}, which a unit without a "
             "valid block gets: widen the range, or change the model"
         )
-        raise UsageError(message)
     return Side(parameter, low, high, value, free=True)
 
 
@@ -249,8 +220,7 @@ def _ends(
     for text in [wanted] if isinstance(wanted, str) else wanted:
         effect, given, ends = str(text).partition("=")
         if effect in found:
-            message = f"{keyword('per_unit', text)}: {effect} is named twice"
-            raise UsageError(message)
+            raise UsageError(f"{keyword('per_unit', text)}: {effect} is named twice")
         found[effect] = _range(text, ends) if given else None
     return found
 
@@ -262,9 +232,8 @@ def _range(text: str, ends: str) -> tuple[float, float]:
     except ValueError:
         pair = math.nan, math.nan
     if not all(map(math.isfinite, pair)):
-        message = (
+        raise UsageError(
             f"{keyword('per_unit', text)}: give EFFECT or EFFECT=LOW:HIGH, in the unit of the model: "
             f"{keyword('per_unit', 'fixed_delay=0:1e-4')} [s]"
         )
-        raise UsageError(message)
     return pair

@@ -20,8 +20,6 @@ from echocal.per_unit.block import VERSION
 from echocal.per_unit.box import Box
 from echocal.per_unit.layout import Echoes, Layout
 
-__all__ = ["UnitFirmware", "generate_per_unit"]
-
 _SHARE = 0.5
 """Largest share of the error bound that whole echo codes may take; above it the fraction is taken off the
 output. Set by hand: it leaves the function as much."""
@@ -125,11 +123,10 @@ def generate_per_unit(
     """
     _refuse(package, output_unit, request.get("echo"))
     if request.get("further") is not None:
-        message = (
+        raise UsageError(
             f"unit data are not proven beside a further input: leave out {keyword('further')} or "
             f"{keyword('per_unit')}"
         )
-        raise UsageError(message)
     box = Box.around(model, per_unit)
     least = box.least(model)
     told = {"per_unit": box.texts(), "max_error_mm": max_error * 1e3, "max_distance_m": max_distance}
@@ -146,20 +143,17 @@ def generate_per_unit(
 
 def _refuse(package: str, output_unit: str, echo: EchoCodes | None) -> None:
     if echo is not None and echo.bits != _ECHO_BITS:
-        message = (
+        raise UsageError(
             f"unit data correct echo codes of {_ECHO_BITS} bits, and the timer has {echo.bits}: choose "
             f"{keyword('bits', _ECHO_BITS)}"
         )
-        raise UsageError(message)
     if package != "c":
-        message = f"the package {package} has no unit data: choose {keyword('package', 'c')}"
-        raise UsageError(message)
+        raise UsageError(f"the package {package} has no unit data: choose {keyword('package', 'c')}")
     if output_unit != "um":
-        message = (
+        raise UsageError(
             f"unit data correct more finely than {output_unit}: choose {keyword('output_unit', 'um')}, "
             "and round the output"
         )
-        raise UsageError(message)
 
 
 def _layout(made: Firmware, box: Box, model: Model, max_error: float) -> tuple[Layout, float]:
@@ -229,12 +223,11 @@ def _lag(made: Firmware, box: Box, model: Model) -> float:
 def _refuse_bent(model: Model, off: NDArray[np.float64]) -> None:
     """Raise `UsageError` where echo times are off a straight line over the distance [s]."""
     if np.abs(off).max() > _STRAIGHT:
-        message = (
+        raise UsageError(
             f"with the effects {', '.join(model.effects)} the echo time is no straight line over the "
             f"distance ({np.abs(off).max() * 1e6:.3g} us), and unit data are not proven: leave the effect "
             f"that bends it out of the model, or leave out {keyword('per_unit')}"
         )
-        raise UsageError(message)
 
 
 def _conditions(made: Firmware) -> dict[str, float]:

@@ -11,8 +11,6 @@ from echocal.errors import UsageError
 from echocal.keywords import keyword
 from echocal.per_unit.box import Box, Side
 
-__all__ = ["Echoes", "Layout"]
-
 _TOP = 65_535  # of a uint16_t
 _MOST_PLACES = 8
 _FEW_PLACES = 2  # a shift of an AVR by one byte is free, by two bits takes four cycles, by more a loop
@@ -20,21 +18,11 @@ _FEW_PLACES = 2  # a shift of an AVR by one byte is free, by two bits takes four
 
 @dataclass(frozen=True)
 class Echoes:
-    """The echo codes of the function underneath, and how far one of them is.
+    """The echo codes of the function underneath, and how far one of them is."""
 
-    Attributes
-    ----------
-    tick : float
-        Echo time of one code [us].
-    last : int
-        Last accepted code.
-    slopes : tuple of float
-        Least and greatest distance of one code, over all conditions [um].
-    """
-
-    tick: float
-    last: int
-    slopes: tuple[float, float]
+    tick: float  # echo time of one code [us]
+    last: int  # last accepted code
+    slopes: tuple[float, float]  # least and greatest distance of one code, over all conditions [um]
 
 
 @dataclass(frozen=True)
@@ -44,42 +32,21 @@ class Layout:
     What it corrects to is the code of the unit with the least parameters. A unit adds to that, in codes,
     ``code * (r - r0) / (1 - r0) + (d - d0) / (1 - r0) / tick``, with its delay ``d`` and its rate
     ``r = f / (1 + f)``.
-
-    Attributes
-    ----------
-    box : Box
-    echoes : Echoes
-    places : int
-        Binary places of what is added.
-    center : int
-        Added to the delay, so that errors of both signs are equally large [2^-places codes].
-    slope : int
-        Distance of a whole code [um], by which the fraction is taken off the output; 0 where it is not.
     """
 
     box: Box
     echoes: Echoes
-    places: int
-    center: int
+    places: int  # binary places of what is added
+    center: int  # added to the delay, so that errors of both signs are equally large [2^-places codes]
     slope: int
+    """Distance of a whole code [um], by which the fraction is taken off the output; 0 where it is not."""
 
     @classmethod
     def of(cls, box: Box, echoes: Echoes, *, fine: bool, bytewise: bool) -> "Layout":
         """Return the layout with most places.
 
-        Parameters
-        ----------
-        box : Box
-        echoes : Echoes
-        fine : bool
-            Whether the fraction of a code is taken off the output.
-        bytewise : bool
-            Whether shifts are cheap by whole bytes alone.
-
-        Raises
-        ------
-        UsageError
-            If the box needs more than 16 bits.
+        `fine`: the fraction of a code is taken off the output; `bytewise`: shifts are cheap by whole bytes
+        alone. Raises `UsageError` if the box needs more than 16 bits.
         """
         slope = round(sum(echoes.slopes) / 2) if fine else 0
         few = bytewise and not fine
@@ -88,11 +55,10 @@ class Layout:
             if tried._fits() and (places == _MOST_PLACES or not few or places <= _FEW_PLACES):
                 low, high = tried._codes_off()
                 return cls(box, echoes, places, max(0, round((low + high) / 2 * 2**places)), slope)
-        message = (
+        raise UsageError(
             "a unit of this box adds more to an echo code than 16 bits hold: give narrower ranges "
             f"({keyword('per_unit', 'EFFECT=LOW:HIGH')}) or shorter echoes ({keyword('longest')})"
         )
-        raise UsageError(message)
 
     def _rate0(self) -> float:
         """Rate of the unit with the least parameters [1]."""
@@ -174,16 +140,7 @@ class Layout:
     def corrected(self, codes: ArrayLike, delay: ArrayLike, rate: ArrayLike) -> tuple[Any, Any]:
         """Return the corrected echo codes and what is then taken off the output, as the C computes them.
 
-        Parameters
-        ----------
-        codes : array_like of int, shape (...)
-        delay, rate : array_like of int
-            Stored parameters of the unit.
-
-        Returns
-        -------
-        tuple of ndarray of int64, shape (...)
-            Codes, and distances [um].
+        Delay and rate are the stored parameters of the unit; what is taken off is in um.
         """
         codes = np.asarray(codes, dtype=np.int64)
         speed = self.converted(self.box.clock, rate)

@@ -7,7 +7,7 @@ import os
 import re
 import secrets
 import shutil
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -17,8 +17,6 @@ from echocal.model import Model
 from echocal.outputs import spreadsheet_safe
 from echocal.per_unit.block import Block
 from echocal.per_unit.box import PARAMETERS, Box
-
-__all__ = ["TABLE", "Written", "block_of", "number_of", "write_units"]
 
 TABLE = "units.csv"
 """Name of the table in a folder of blocks."""
@@ -79,8 +77,7 @@ def block_of(unit: Model, number: int, box: Box, base: Model | None, whose: str)
     Block(number=7, delay=992, rate=0)
     """
     if not 0 <= number <= _MOST:
-        message = f"{whose}: number {number} is outside 0 .. {_MOST}, what four bytes hold"
-        raise DataError(message)
+        raise DataError(f"{whose}: number {number} is outside 0 .. {_MOST}, what four bytes hold")
     if unit.shape is not None:
         message = f"{whose}: unit data have no room for an unexplained term: Model.without_shape() removes it"
         raise DataError(message)
@@ -101,12 +98,11 @@ def _refuse_other(unit: Model, base: Model, whose: str) -> None:
             same = math.isclose(one, other, rel_tol=1e-9)
         if not same:
             has, wants = ("absent" if value is None else exact(value) for value in (one, other))
-            message = (
+            raise DataError(
                 f"{whose}: {name} is {has}, and in the firmware's model {wants}. A block holds "
                 f"{' and '.join(parameter.key for parameter in PARAMETERS)}: calibrate the unit with the "
                 "others fixed, or generate a firmware for this model"
             )
-            raise DataError(message)
 
 
 def _fixed(model: Model) -> dict[str, str | float]:
@@ -169,7 +165,8 @@ def write_units(
     numbers = _numbers(files)
     _refuse_target(target, folder)
     rows = []
-    box = None if model is None else _box(model, per_unit)
+    effects = per_unit or [parameter.effect for parameter in PARAMETERS]
+    box = None if model is None else Box.around(model, effects)
     unfinished = target.with_name(f".{target.name}.{secrets.token_hex(8)}.unfinished")
     with writing(target):
         unfinished.mkdir(parents=True)
@@ -190,10 +187,6 @@ def write_units(
             shutil.rmtree(unfinished, ignore_errors=True)
     refused = {str(row["file"]): str(row["status"]) for row in rows if row["block"] == ""}
     return Written(target, len(rows) - len(refused), refused)
-
-
-def _box(model: Model, per_unit: Iterable[str] | Mapping[str, tuple[float, float]]) -> Box:
-    return Box.around(model, per_unit or [parameter.effect for parameter in PARAMETERS])
 
 
 def _read(file: Path, number: int) -> tuple[dict[str, object], Model | None]:
@@ -221,12 +214,10 @@ def _written(unit: Model, row: dict[str, object], box: Box, base: Model, folder:
 
 def _files(folder: Path) -> list[Path]:
     if not folder.is_dir():
-        message = f"{folder} is no folder: give one with a model file for each unit"
-        raise UsageError(message)
+        raise UsageError(f"{folder} is no folder: give one with a model file for each unit")
     files = sorted(file for file in folder.glob("*.json") if file.name != _INDEX)
     if not files:
-        message = f"{folder} has no file *.json: give a folder with a model file for each unit"
-        raise UsageError(message)
+        raise UsageError(f"{folder} has no file *.json: give a folder with a model file for each unit")
     return files
 
 
@@ -236,13 +227,11 @@ def _numbers(files: list[Path]) -> dict[Path, int]:
     for file in files:
         number = number_of(file)
         if number is None:
-            message = (
+            raise DataError(
                 f"{file.name}: its name does not end in the number of the unit: rename it, unit_00017.json"
             )
-            raise DataError(message)
         if number in taken:
-            message = f"{taken[number].name} and {file.name} are both unit {number}: rename one"
-            raise DataError(message)
+            raise DataError(f"{taken[number].name} and {file.name} are both unit {number}: rename one")
         numbers[file] = number
         taken[number] = file
     return numbers
@@ -250,24 +239,17 @@ def _numbers(files: list[Path]) -> dict[Path, int]:
 
 def _refuse_target(target: Path, units: Path) -> None:
     if target.resolve() == units.resolve() or target.resolve() in units.resolve().parents:
-        message = f"{target} holds the models of the units: give another folder for the blocks"
-        raise UsageError(message)
+        raise UsageError(f"{target} holds the models of the units: give another folder for the blocks")
     if not target.exists():
         return
     if not target.is_dir():
-        message = f"{target} is no folder; choose another name"
-        raise UsageError(message)
-    others = sorted(set(_found(target)) - set(_known(target)))
+        raise UsageError(f"{target} is no folder; choose another name")
+    others = sorted({path.name for path in target.iterdir()} - set(_known(target)))
     if others:
-        message = (
+        raise UsageError(
             f"{target} has {others[0]}, which no earlier run made, and the folder is replaced as a whole: "
             "choose another folder, or move that file"
         )
-        raise UsageError(message)
-
-
-def _found(folder: Path) -> Iterator[str]:
-    return (path.name for path in folder.iterdir())
 
 
 def _known(folder: Path) -> list[str]:

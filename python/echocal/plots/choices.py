@@ -9,8 +9,6 @@ from matplotlib.colors import LogNorm
 from matplotlib.lines import Line2D
 from matplotlib.ticker import LogLocator, NullFormatter, ScalarFormatter
 
-__all__ = ["plot_choices"]
-
 _NEAR = 1.15  # points closer than this in both axes share a label
 _MARKERS = ("o", "s", "^", "D", "v", "P", "X")
 _KINDS = ("polynomial", "product", "square", "segments", "linear between", "table", "speed factor")
@@ -24,17 +22,7 @@ _NAMES = {
 def plot_choices(choices: Sequence[Mapping[str, Any]], ax: Axes | None = None) -> Axes:
     """Draw flash against time of the Pareto front. Color and label show the proven error.
 
-    Parameters
-    ----------
-    choices : sequence of mapping
-        What `echocal.explore.Choice.to_dict` gives.
-    ax : matplotlib axes, optional
-        Where to draw; a new figure by default.
-
-    Returns
-    -------
-    matplotlib axes
-        The axes that were drawn on.
+    The choices are what `echocal.explore.Choice.to_dict` gives; without axes a new figure is made.
     """
     if ax is None:
         ax = plt.figure(figsize=(8.0, 5.0), layout="constrained").add_subplot()

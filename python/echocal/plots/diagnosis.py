@@ -17,18 +17,6 @@ from echocal.diagnose.results.explain import class_texts, lead, proposal_text
 from echocal.model import Shape
 from echocal.plots.draw import STYLE, draw_bars, draw_panel, fitted, save_figures
 
-__all__ = [
-    "PICTURES",
-    "TERM",
-    "next_figure",
-    "plot_gain",
-    "plot_posterior",
-    "plot_residuals",
-    "plot_unexplained",
-    "residuals_figure",
-    "save_diagnosis",
-]
-
 _FAINT = "#8fa0a8"
 _TERM_LABEL, _TERM_TITLE = 75, 100  # characters of a line
 _MANY = 200  # with more rows, points are transparent
@@ -95,13 +83,7 @@ def plot_posterior(diagnosis: Diagnosis, ax: Axes) -> None:
 
 
 def smooth_figure(diagnosis: Diagnosis) -> Figure:
-    """The functions that a smooth correction is the sum of, a panel each, and its gain.
-
-    Parameters
-    ----------
-    diagnosis : Diagnosis
-        With a smooth correction that is offered.
-    """
+    """The functions that a smooth correction is the sum of, a panel each, and its gain."""
     found = diagnosis.smooth
     terms = () if found is None or found.smooth is None else found.smooth.terms
     rows = max(1, -(-len(terms) // _ACROSS))
@@ -251,23 +233,6 @@ def _summary(diagnosis: Diagnosis, width: int = 2 * _SUMMARY) -> str:
         text += f", {1e3 * gain.rms_after_m:.2f} mm with the extended model"
     lines = [f"{text}; the column with the clearest trend first", *class_texts(diagnosis)]
     return "\n".join(textwrap.fill(line, width) for line in lines)
-
-
-def plot_residuals(diagnosis: Diagnosis, ax: Axes, against: str, which: str = "before") -> None:
-    """Errors of the base or of the extended model against one column, with the means of thirty bins.
-
-    Both have the same scale, so that a worse model looks worse. Where the model leaves less than a fifth of
-    the error, its scale is its own, and the title says so.
-
-    Parameters
-    ----------
-    against : str
-        A name in ``diagnosis.traces.against``.
-    which : {"before", "after"}
-        Before is the base, after the extended model.
-    """
-    chart = column_chart(diagnosis, against)
-    draw_panel(chart.panels[0 if which == "before" else -1], chart.x, ax)
 
 
 def plot_unexplained(diagnosis: Diagnosis, ax: Axes) -> None:

@@ -16,18 +16,6 @@ from echocal.charts.parts import Axis, Bars, Chart, Line, Panel, Points, Rug
 from echocal.errors import UsageError, writing
 from echocal.outputs import replacing
 
-__all__ = [
-    "STYLE",
-    "TONES",
-    "draw_bars",
-    "draw_chart",
-    "draw_panel",
-    "fitted",
-    "in_form",
-    "save_figure",
-    "save_figures",
-]
-
 _MOST = 3  # lines
 _LABEL_CHARACTER, _TITLE_CHARACTER = 0.069, 0.062  # inches, at 9 and at 8 points
 _MARGIN = 0.2  # inches
@@ -145,14 +133,8 @@ def fitted(text: str, width: int) -> str:
 def save_figure(figure: Figure, path: Path, command: str, **options: Any) -> None:
     """Write a figure, complete or not at all, in the format of its ending.
 
-    Raises `UsageError` if the file cannot be written.
-
-    Parameters
-    ----------
-    command : str
-        Command that made it; written to the file if its format allows.
-    **options
-        As for `Figure.savefig`.
+    Raises `UsageError` if the file cannot be written. The command that made it is written to the file if its
+    format allows; `options` are for `Figure.savefig`.
     """
     ending = path.suffix.lower().removeprefix(".")
     metadata = {_MAKER[ending]: f"echocal {command}"} if ending in _MAKER else None
@@ -186,6 +168,5 @@ def in_form(names: Iterable[str], form: str) -> tuple[str, ...]:
     ('gain.svg',)
     """
     if form not in FORMS:
-        message = f"plots are written as {', '.join(FORMS)}, not as '{form}'"
-        raise UsageError(message)
+        raise UsageError(f"plots are written as {', '.join(FORMS)}, not as '{form}'")
     return tuple(str(Path(name).with_suffix(f".{form}")) for name in names)

@@ -11,8 +11,6 @@ from numpy.typing import NDArray
 from echocal.plots.draw import STYLE
 from echocal.waveforms import EchoTimes
 
-__all__ = ["echo_times_figure"]
-
 _DARK, _LIGHT, _PALE = "#155a75", "#e0862a", "#9fb4bd"
 _MS = 1e3  # ms in a second
 _DOUBTFUL = 0.01  # cycle ambiguity above which a capture is marked
@@ -23,12 +21,7 @@ def echo_times_figure(
 ) -> Figure:
     """Draw echo times, and above them the first capture that has one.
 
-    Parameters
-    ----------
-    waveform : ndarray, shape (..., N), optional
-        The captures.
-    sample_rate : float
-        Samples per second of them [Hz].
+    The captures, shape (..., N), have samples at a rate [Hz].
     """
     with mpl.rc_context(STYLE):
         rows = 1 if waveform is None else 2

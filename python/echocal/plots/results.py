@@ -21,8 +21,6 @@ from echocal.sweep import sweep
 from echocal.verify import Verification
 from echocal.waveforms import EchoTimes
 
-__all__ = ["figure"]
-
 _DARK, _LIGHT = "#155a75", "#e0862a"
 _MM = 1e3  # mm in a meter
 

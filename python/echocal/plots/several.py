@@ -16,8 +16,6 @@ from echocal.diagnose.pooling.parts import PooledCause
 from echocal.diagnose.pooling.result import PooledDiagnosis
 from echocal.plots.draw import STYLE, draw_bars, save_figures
 
-__all__ = ["PICTURES", "plot_sizes", "save_fleet", "save_pooled"]
-
 POOLED_PICTURES = ("sizes.png",)
 """Names of the files that `save_pooled` writes."""
 
@@ -74,13 +72,7 @@ def save_pooled(pooled: PooledDiagnosis, folder: str | Path, form: str = "png") 
 
 
 def plot_sizes(cause: PooledCause, name: str, ax: Axes) -> None:
-    """Size of a shared cause in each table, alone and drawn to the mean, with the mean of all.
-
-    Parameters
-    ----------
-    name : str
-        A parameter of the cause.
-    """
+    """Size of a shared cause in each table, alone and drawn to the mean, with the mean of all."""
     shared = next(p for p in cause.parameters if p.name == name)
     factor, unit = readable(shared.value, shared.unit)
     middle = factor * shared.value

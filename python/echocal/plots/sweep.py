@@ -16,8 +16,6 @@ from numpy.typing import NDArray
 from echocal.quantities import QUANTITIES
 from echocal.quantities.units import printed
 
-__all__ = ["plot_sweep", "sweep_figure"]
-
 # what a person reads: unit on paper, and its size in the unit of the grid
 _SHOWN = {
     "error": ("mm", 1e-3),
@@ -127,10 +125,7 @@ def _explain(grid: xr.Dataset, others: list[Any], ax: Axes) -> None:
 def sweep_figure(grid: xr.Dataset) -> Figure:
     """Draw what changes over a sweep, one panel for each variable.
 
-    Parameters
-    ----------
-    grid : xarray.Dataset
-        Result of `echocal.sweep`, with at least one dimension.
+    The grid is a result of `echocal.sweep` with at least one dimension.
     """
     shown = [name for name in ("speed_of_sound", "time_of_flight", "error") if _varies(grid[name].values)]
     shown = shown or ["indication"]

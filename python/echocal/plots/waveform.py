@@ -10,8 +10,6 @@ from echocal.errors import DataError
 from echocal.virtual_bench import Scene, Sensor
 from echocal.virtual_bench import waveform as sampled
 
-__all__ = ["plot_waveform", "waveform_figure"]
-
 _RATE = 2e6  # Hz
 _MILLI = 1e3
 _BEFORE, _AFTER = 0.1, 0.9  # ms about the front of the echo
@@ -20,20 +18,10 @@ _BEFORE, _AFTER = 0.1, 0.9  # ms about the front of the echo
 def waveform_figure(scene: Scene, sensor: Sensor | None = None, *, row: int = 1, seed: int = 0) -> Figure:
     """Draw one reading, with noise of its own: the whole time, and the echo alone.
 
-    Raises `DataError` if there is no such row.
-
-    Parameters
-    ----------
-    sensor : Sensor, optional
-        An HC-SR04 by default.
-    row : int
-        From 1.
-    seed : int
-        Of the noise.
+    Raises `DataError` if there is no such row. The sensor is an HC-SR04 by default; rows count from 1.
     """
     if not 1 <= row <= len(scene):
-        message = f"there is no row {row}: rows are 1 to {len(scene)}"
-        raise DataError(message)
+        raise DataError(f"there is no row {row}: rows are 1 to {len(scene)}")
     sensor = sensor or Sensor()
     one = scene.at(np.array([row - 1]))
     arrives = _MILLI * float(one.paths(sensor)[0][0, 1])

@@ -14,17 +14,6 @@ from echocal.budget.entries import Entry
 from echocal.budget.sources import LAW
 from echocal.quantities import QUANTITIES
 
-__all__ = [
-    "HEADS",
-    "conditions_at",
-    "conditions_head",
-    "conditions_text",
-    "lines",
-    "print_budget",
-    "probability_text",
-    "result_text",
-]
-
 HEADS = ("source", "type", "u(x)", "sensitivity", "u(d) [mm]", "ν", "share")
 """Source, type and distribution, standard uncertainty of the input, sensitivity coefficient, contribution,
 degrees of freedom, part of the variance."""
@@ -36,13 +25,7 @@ _LAW = (1e6, "ppm")
 
 
 def print_budget(budget: Budget, row: int, console: Console) -> None:
-    """Print the budget of a row, and the results of the others.
-
-    Parameters
-    ----------
-    row : int
-        Its place.
-    """
+    """Print the budget of a row, and the results of the others."""
     title = f"budget of row {budget.row[row]}: {conditions_text(budget, row)}"
     table = Table(title=title, box=SIMPLE_HEAD, padding=(0, 1, 0, 0), title_justify="left")
     for head in HEADS:

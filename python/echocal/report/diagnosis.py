@@ -1,10 +1,10 @@
 """A diagnosis on the terminal."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 from rich.console import Console, Group, RenderableType
 from rich.panel import Panel
-from rich.table import Table
+from rich.table import Column, Table
 from rich.text import Text
 
 from echocal.diagnose import Cause, Diagnosis, Gain
@@ -23,8 +23,6 @@ from echocal.diagnose.results.explain import (
 )
 from echocal.diagnose.results.grouped import LEAST, grouped, in_common
 
-__all__ = ["STYLE", "print_diagnosis"]
-
 STYLE = {
     "named": "bold green",
     "ambiguous": "bold yellow",
@@ -36,14 +34,15 @@ _LINES = 6
 _EXACTLY = "probability that exactly these causes act"
 
 
-def print_diagnosis(diagnosis: Diagnosis, console: Console) -> None:
-    """Print a diagnosis for a person.
+def listed(title: str | Text, left: Iterable[str], right: Iterable[str] = ()) -> Table:
+    """A table with the heads of columns of texts and of numbers; a unit in brackets is no markup."""
+    texts = [Column(Text(head)) for head in left]
+    numbers = [Column(Text(head), justify="right") for head in right]
+    return Table(*texts, *numbers, title=title, title_justify="left")
 
-    Parameters
-    ----------
-    diagnosis : Diagnosis
-    console : rich.console.Console
-    """
+
+def print_diagnosis(diagnosis: Diagnosis, console: Console) -> None:
+    """Print a diagnosis for a person."""
     console.print(Panel(Group(*_head(diagnosis)), title="diagnosis", title_align="left", expand=False))
     for cause in diagnosis.causes:
         console.print(_cause(cause))
@@ -105,11 +104,8 @@ def _cause(cause: Cause) -> RenderableType:
 
 
 def _gain(gain: Gain, longest: int) -> RenderableType:
-    table = Table(
-        title=f"error on {gain.held_out_rows} {gain.judged_rows} ({gain.scheme})", title_justify="left"
-    )
-    table.add_column("model")
-    table.add_column(Text("RMS [mm]"), justify="right")  # a unit is no markup
+    title = f"error on {gain.held_out_rows} {gain.judged_rows} ({gain.scheme})"
+    table = listed(title, ["model"], ["RMS [mm]"])
     table.add_column("", no_wrap=True)
     rungs = [(" + ".join(("base", *ids)), rms) for ids, rms in gain.ladder]
     if gain.rms_fixed_speed_m is not None:

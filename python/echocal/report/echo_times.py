@@ -8,8 +8,6 @@ import pandas as pd
 from echocal.errors import UsageError
 from echocal.waveforms import EchoTimes
 
-__all__ = ["COLUMNS", "counted", "echo_table", "said"]
-
 COLUMNS = (
     "capture",
     "echo_us",
@@ -32,15 +30,9 @@ def echo_table(
 ) -> pd.DataFrame:
     """Return a row per capture, in the order of the captures.
 
-    Raises `UsageError` if a column beside has the name of one of the table.
-
-    Parameters
-    ----------
-    beside : mapping of str to array, optional
-        Columns that a file has beside its captures; they come first.
-    full_scale : float, optional
-        Amplitude of full scale [unit of the waveform]; then the amplitude is given as a part of it, which is
-        the influence quantity `amplitude`.
+    Raises `UsageError` if a column beside has the name of one of the table. Columns that a file has `beside`
+    its captures come first. With the amplitude of full scale [unit of the waveform], the amplitude is given
+    as a part of it, which is the influence quantity `amplitude`.
     """
     with np.errstate(invalid="ignore", divide="ignore"):
         ratio = 10.0 * np.log10(echoes.signal_to_noise)

@@ -26,8 +26,6 @@ from echocal.shown import Shown
 from echocal.verify import Verification
 from echocal.waveforms import EchoTimes
 
-__all__ = ["dataframe", "explanation", "headline", "html"]
-
 _MM = 1e3  # mm in a meter
 _DPI = 80  # of a figure in a notebook
 

@@ -5,7 +5,7 @@ from typing import Any
 
 from rich.console import Console, Group, RenderableType
 from rich.panel import Panel
-from rich.table import Table
+from rich.table import Column, Table
 from rich.text import Text
 
 from echocal.diagnose.pooling.explain import (
@@ -18,9 +18,7 @@ from echocal.diagnose.pooling.explain import (
 from echocal.diagnose.pooling.parts import InTable, PooledCause
 from echocal.diagnose.pooling.result import PooledDiagnosis
 from echocal.diagnose.results.explain import probability_text
-from echocal.report.diagnosis import STYLE
-
-__all__ = ["print_fleet", "print_pooled"]
+from echocal.report.diagnosis import STYLE, listed
 
 _MOST_TABLES = 40  # tables that are listed for each cause
 _LEAST = 0.005  # probability of a set that is shown
@@ -34,10 +32,7 @@ _ORDER = ("named", "ambiguous", "unknown", "nothing", "failed")
 def print_fleet(summary: Mapping[str, Any], console: Console) -> None:
     """Print the summary of a fleet for a person.
 
-    Parameters
-    ----------
-    summary : mapping
-        Schema ``echocal.fleet/1``.
+    The summary is of schema ``echocal.fleet/1``.
     """
     console.print(_head(summary))
     if summary["causes"]:
@@ -103,13 +98,9 @@ def _head(summary: Mapping[str, Any]) -> Panel:
 
 
 def _causes(summary: Mapping[str, Any]) -> Table:
-    table = Table(
-        title=Text("causes; base and gain [mm]: medians where a cause comes first"),
-        title_justify="left",
-    )
-    table.add_column("cause", min_width=16, overflow="fold")
-    for text in ("sensors", "named (fleet)", "base", "gain", "size"):
-        table.add_column(Text(text), justify="right")  # a unit is no markup
+    title = Text("causes; base and gain [mm]: medians where a cause comes first")
+    table = listed(title, ["cause"], ["sensors", "named (fleet)", "base", "gain", "size"])
+    table.columns[0].min_width, table.columns[0].overflow = 16, "fold"
     for one in summary["causes"][:_MOST]:
         size = "" if one["size"] is None else f"{one['size']:.3g} {one['unit'] if one['unit'] != '1' else ''}"
         table.add_row(
@@ -125,21 +116,14 @@ def _causes(summary: Mapping[str, Any]) -> Table:
 
 def _prevalence(kind: str, found: Mapping[str, Any]) -> Table:
     title = f"how common causes are among {found['sensors']} sensors" + (f" of kind {kind}" if kind else "")
-    table = Table(title=title, title_justify="left")
-    table.add_column("cause")
-    for text in ("part of the sensors [%]", "standard uncertainty [%]"):
-        table.add_column(Text(text), justify="right")
+    table = listed(title, ["cause"], ["part of the sensors [%]", "standard uncertainty [%]"])
     for one in found["causes"][:_MOST]:
         table.add_row(one["id"], f"{100 * one['share']:.1f}", f"{100 * one['standard_uncertainty']:.1f}")
     return table
 
 
 def _worst(summary: Mapping[str, Any]) -> Table:
-    table = Table(title="largest errors", title_justify="left")
-    for text in ("sensor", "verdict", "cause"):
-        table.add_column(text)
-    for text in ("base [mm]", "model [mm]"):
-        table.add_column(Text(text), justify="right")
+    table = listed("largest errors", ["sensor", "verdict", "cause"], ["base [mm]", "model [mm]"])
     for one in summary["worst"]:
         errors = (_mm(one["rms_before_mm"]), _mm(one["rms_after_mm"]))
         table.add_row(str(one["sensor"]), one["verdict"], one["cause"] or "", *errors)
@@ -192,14 +176,7 @@ def _cause(cause: PooledCause) -> RenderableType:
         lines.append(
             Text(f"  no table separates it from: {', '.join(cause.indistinguishable_from)}", "yellow")
         )
-    table = Table()
-    for name, side in (
-        ("table", "left"),
-        ("log Bayes factor", "right"),
-        ("alone", "left"),
-        ("in the pool", "left"),
-    ):
-        table.add_column(name, justify=side)  # type: ignore[arg-type]
+    table = Table("table", Column("log Bayes factor", justify="right"), "alone", "in the pool")
     for one in cause.tables[:_MOST_TABLES]:
         table.add_row(one.table, *_row(one))
     lines.append(table)
@@ -218,12 +195,8 @@ def _row(one: InTable) -> tuple[str, str, str]:
 
 def _tables(pooled: PooledDiagnosis) -> RenderableType:
     """Each table by itself, and the model of the others on it."""
-    table = Table(title="each table alone, and the model of the other tables on it", title_justify="left")
-    table.add_column("table")
-    table.add_column("alone")
-    table.add_column("causes of its own")
-    for text in ("base [mm]", "others [mm]"):
-        table.add_column(Text(text), justify="right")  # a unit is no markup
+    title = "each table alone, and the model of the other tables on it"
+    table = listed(title, ["table", "alone", "causes of its own"], ["base [mm]", "others [mm]"])
     for name, result in list(pooled.tables.items())[:_MOST_TABLES]:
         other = result.transfer
         errors = (f"{1e3 * rms:.2f}" for rms in (other.rms_before_m, other.rms_after_m))

@@ -2,9 +2,6 @@
 
 from collections.abc import Mapping
 
-__all__ = ["BASE", "DISTANCE", "DISTANCES", "FIELDS", "HEIGHT", "LARGEST", "PLACEMENTS", "SPEED", "STEP"]
-__all__ += ["TEMPERATURE"]
-
 DISTANCES = {
     "column": "is a column, or there are placements",
     "constant": "is constant and not known",

@@ -22,20 +22,12 @@ from echocal.serve.fields import (
 )
 from echocal.serve.session import CHOICES, Session
 
-__all__ = ["Page"]
-
 _MOST_BYTES = 200_000_000
 _TARGETS = ("c99", "avr", "cortex-m0", "cortex-m3", "cortex-m4f", "rv32", "rv32e")
 
 
 class Page:
-    """One visitor's page.
-
-    Parameters
-    ----------
-    ui : module
-        ``nicegui.ui``.
-    """
+    """One visitor's page."""
 
     def __init__(self, ui: Any) -> None:
         self.ui, self.session = ui, Session()

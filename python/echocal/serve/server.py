@@ -8,8 +8,6 @@ from echocal.errors import UsageError
 from echocal.keywords import on_page
 from echocal.serve.fields import FIELDS
 
-__all__ = ["HOST", "PORT", "OwnPagesOnly", "serve"]
-
 HOST, PORT = "127.0.0.1", 8477
 _NAMES = (HOST, "localhost")
 
@@ -21,12 +19,6 @@ class OwnPagesOnly:
     """Refuses requests that a page of another site makes, or that reach the server by another name.
 
     A page of a site could otherwise send requests to servers of the machine that shows it.
-
-    Parameters
-    ----------
-    app : callable
-        An application of ASGI.
-    port : int
     """
 
     def __init__(self, app: App, port: int) -> None:
@@ -52,17 +44,8 @@ class OwnPagesOnly:
 def serve(port: int = PORT, *, show: bool = True) -> None:
     """Serve the page until Ctrl-C.
 
-    Parameters
-    ----------
-    port : int
-        Port on the loopback interface.
-    show : bool
-        Whether to open the page in the browser.
-
-    Raises
-    ------
-    UsageError
-        If NiceGUI is not installed, or the port is taken.
+    The port is on the loopback interface. Raises `UsageError` if NiceGUI is not installed, or the port is
+    taken.
     """
     try:
         from nicegui import app, ui
@@ -75,8 +58,7 @@ def serve(port: int = PORT, *, show: bool = True) -> None:
         try:
             tried.bind((HOST, port))
         except (OSError, OverflowError) as error:
-            message = f"port {port} cannot be used ({error}); choose another one"
-            raise UsageError(message) from None
+            raise UsageError(f"port {port} cannot be used ({error}); choose another one") from None
     app.add_middleware(OwnPagesOnly, port=port)
     with on_page(FIELDS):
         ui.run(

@@ -23,8 +23,6 @@ from echocal.observations.units import NAMES
 from echocal.outputs import csv_text
 from echocal.report.html import report_page
 
-__all__ = ["CHOICES", "Session"]
-
 CHOICES = ("", *NAMES, EXTRA, IGNORE)
 """What a column can be taken for; nothing, where it is no quantity."""
 
@@ -32,17 +30,6 @@ CHOICES = ("", *NAMES, EXTRA, IGNORE)
 @dataclass
 class Session:
     r"""A log and what was made of it. The file stays in a folder of its own until `close`.
-
-    Attributes
-    ----------
-    folder : Path
-    name : str
-        Name of the log.
-    inspection : Inspection or None
-        What its columns are taken for.
-    diagnosis : Diagnosis or None
-    notes : list of str
-        What the last firmware assumes beyond the range of its law.
 
     Examples
     --------
@@ -58,10 +45,11 @@ class Session:
     """
 
     folder: Path = field(default_factory=lambda: Path(tempfile.mkdtemp(prefix="echocal-")))
-    name: str = ""
-    inspection: Inspection | None = None
+    name: str = ""  # name of the log
+    inspection: Inspection | None = None  # what its columns are taken for
     diagnosis: Diagnosis | None = None
     notes: list[str] = field(default_factory=list)
+    """What the last firmware assumes beyond the range of its law."""
     _stated: dict[str, str] = field(default_factory=dict)
     _asked: dict[str, Any] = field(default_factory=dict)
     _beside: dict[str, Any] = field(default_factory=dict)
@@ -73,10 +61,7 @@ class Session:
     def open(self, name: str, content: bytes) -> None:
         """Take a log in place of the one before, and look at it.
 
-        Raises
-        ------
-        DataError
-            If it cannot be read as a table of any kind.
+        Raises `DataError` if it cannot be read as a table of any kind.
         """
         self.name, self.inspection, self.diagnosis = Path(name).name, None, None
         self._stated, self._beside = {}, {}
@@ -94,19 +79,9 @@ class Session:
     ) -> None:
         """Say what no column holds, and look at the log again.
 
-        Parameters
-        ----------
-        temperature : str
-            Of the air [degC], as ``20+-2``; empty where a column has it.
-        mount_height : float, optional
-            Height of the sensor above the zero of a level [m].
-        reading_speed : str
-            Law or speed [m/s] that the readings were made with; empty for the default.
-
-        Raises
-        ------
-        UsageError
-            If it is no number, or nothing asks for it.
+        The temperature of the air [degC] is as ``20+-2``, empty where a column has it; the height of the
+        sensor above the zero of a level is in m; the law or the speed [m/s] that the readings were made with
+        is empty for the default. Raises `UsageError` if it is no number, or nothing asks for it.
         """
         told: dict[str, Any] = {"at": {"temperature": temperature} if temperature.strip() else None}
         told |= {"mount_height": mount_height, "reading_speed": reading_speed.strip() or None}
@@ -139,10 +114,7 @@ class Session:
     def firmware(self, target: str, **request: Any) -> bytes:
         """C that follows the model, as a zip archive; `request` is as of `echocal.firmware.generate`.
 
-        Raises
-        ------
-        BoundError
-            If no form meets the largest error.
+        Raises `BoundError` if no form meets the largest error.
         """
         with warnings.catch_warnings(action="always", category=DomainWarning, record=True) as caught:
             made = generate(self._diagnosed.model, target, **request)

@@ -12,7 +12,8 @@ from echocal.silicon.arduino import SKETCHES, Sketch, compile_sketch, missing_fo
 from echocal.silicon.board import Generated
 from echocal.silicon.cores import CORES, cores_of
 from echocal.silicon.measurement import Measurement, measure, missing, output_hash
-from echocal.silicon.uno import TIME_OUT, Played, play, refuse_impossible
+from echocal.silicon.uno import Played, play, refuse_impossible
+from echocal.time_outs import HC_SR04 as TIME_OUT
 
 __all__ = ["CORES", "SKETCHES", "TIME_OUT", "Generated", "Measurement", "Played", "Sketch", "compile_sketch"]
 __all__ += ["cores_of", "measure", "missing", "missing_for_sketches", "output_hash", "play"]

@@ -17,16 +17,6 @@ from echocal.silicon.avr import HEADERS
 from echocal.silicon.board import HERE
 from echocal.silicon.tools import absent, attempt, compiler_version, kept, run
 
-__all__ = [
-    "SKETCHES",
-    "Sketch",
-    "compile_sketch",
-    "missing_for_sketches",
-    "refuse_missing",
-    "simulated_uno",
-    "with_prototypes",
-]
-
 _DEFINED = re.compile(r"(?P<head>[A-Za-z_][\w:<>,*&\s]*?[\s*&]+(?P<name>\w+)\s*\([^(){};]*\))\s*\{")
 _NO_CODE = re.compile(
     r"//(?:\\\n|[^\n])*|/\*.*?(?:\*/|\Z)|\"(?:\\.|[^\"\\\n])*\"|'(?:\\.|[^'\\\n])*'|^[ \t]*\#(?:\\\n|[^\n])*",
@@ -96,10 +86,7 @@ class Sketch:
 def missing_for_sketches() -> list[str]:
     """Return what is not installed of what sketches need.
 
-    Returns
-    -------
-    list of str
-        Commands and packages of Debian; empty if nothing is missing.
+    Commands and packages of Debian.
     """
     core = () if (HARDWARE / "cores" / "arduino" / "Arduino.h").exists() else ("arduino-core-avr",)
     return [*absent("avr-gcc", "gcc"), *(() if HEADERS.exists() else ("libsimavr-dev",)), *core]
@@ -110,11 +97,10 @@ def refuse_missing() -> None:
     lacking = missing_for_sketches()
     if lacking:
         packages = [package for name in lacking for package in _PACKAGES[name]]
-        message = (
+        raise UsageError(
             f"to run a sketch on an emulated UNO, {', '.join(lacking)} must be installed: "
             f"apt install {' '.join(packages)}"
         )
-        raise UsageError(message)
 
 
 def compile_sketch(
@@ -184,8 +170,7 @@ def simulated_uno() -> Path:
         words = ("-O2", "-Wall", "-Wextra", "-Werror", source, "-o", folder / "uno", "-lsimavr", "-lm")
         code, _, said = attempt("gcc", *words)
         if code != 0:
-            message = f"gcc cannot build the simulated UNO: {_first_line(said)}; {SIMULATOR_WAY_OUT}"
-            raise UsageError(message)
+            raise UsageError(f"gcc cannot build the simulated UNO: {_first_line(said)}; {SIMULATOR_WAY_OUT}")
 
     return kept(name, fill) / "uno"
 
@@ -220,11 +205,9 @@ def _file_of(sketch: str | Path) -> Path:
     if path.is_dir():
         path = path / f"{path.resolve().name}.ino"
     if not path.is_file():
-        message = f"no sketch '{sketch}': it is neither a file nor one of {', '.join(SKETCHES)}"
-        raise UsageError(message)
+        raise UsageError(f"no sketch '{sketch}': it is neither a file nor one of {', '.join(SKETCHES)}")
     if path.suffix not in (".ino", ".cpp"):
-        message = f"{path} is no sketch: its name does not end with .ino or .cpp"
-        raise UsageError(message)
+        raise UsageError(f"{path} is no sketch: its name does not end with .ino or .cpp")
     return path
 
 
@@ -272,17 +255,15 @@ def _link(out: Path, objects: Sequence[Path]) -> None:
     options = ("-mmcu=atmega328p", "-Wl,--gc-sections")
     code, _, said = attempt("avr-gcc", *options, *objects, _core(), "-lm", "-o", out)
     if "is not within region `data'" in said or "overflowed" in said:
-        message = (
+        raise DataError(
             f"the sketch needs more than the {RAM_BYTES} bytes of memory or {FLASH_BYTES} of flash of an UNO"
         )
-        raise DataError(message)
     if code != 0:
         _refuse(said, _LINKED, None)
     text, data, bss = map(int, run("avr-size", out).splitlines()[1].split()[:3])
     for what, needed, there in (("flash", text + data, FLASH_BYTES), ("memory", data + bss, RAM_BYTES)):
         if needed > there:
-            message = f"the sketch needs {needed} bytes of {what}; an UNO has {there}"
-            raise DataError(message)
+            raise DataError(f"the sketch needs {needed} bytes of {what}; an UNO has {there}")
 
 
 def _refuse(said: str, pattern: re.Pattern[str], source: Path | None) -> None:
@@ -293,8 +274,7 @@ def _refuse(said: str, pattern: re.Pattern[str], source: Path | None) -> None:
         told = f"{match['where']}: {match['what']}"
         own = re.search(rf"{re.escape(str(source))}:\d+", said[match.end() :])
         told += f" (from {own[0]})" if own and not told.startswith(str(source)) else ""
-    message = f"the sketch does not compile: {told}"
-    raise DataError(message)
+    raise DataError(f"the sketch does not compile: {told}")
 
 
 def with_prototypes(text: str, path: str) -> str:
@@ -302,13 +282,6 @@ def with_prototypes(text: str, path: str) -> str:
 
     Only these are declared. Functions with default arguments, templates and members of classes are not.
     Messages of the compiler name the sketch's own file and lines.
-
-    Parameters
-    ----------
-    text : str
-        The sketch.
-    path : str
-        Its file, for messages.
 
     Examples
     --------
@@ -323,7 +296,7 @@ def with_prototypes(text: str, path: str) -> str:
     """
     code = _NO_CODE.sub(lambda match: re.sub(r"[^\n]", " ", match[0]), text)
     defined = [match for match in _DEFINED.finditer(_outermost(code)) if _declarable(match["head"])]
-    found = [match for match in defined if _is_called(match["name"], code[: match.start()])]
+    found = [match for match in defined if re.search(rf"\b{match['name']}\s*\(", code[: match.start()])]
     quoted = path.replace("\\", "\\\\").replace('"', '\\"')
     start = f'#include <Arduino.h>\n#line 1 "{quoted}"\n'
     if not found:
@@ -332,10 +305,6 @@ def with_prototypes(text: str, path: str) -> str:
     declared = "".join(f"{' '.join(match['head'].split())};\n" for match in found)
     number = text.count("\n", 0, place) + 1
     return f'{start}{text[:place]}{declared}#line {number} "{quoted}"\n{text[place:]}'
-
-
-def _is_called(name: str, above: str) -> bool:
-    return re.search(rf"\b{name}\s*\(", above) is not None
 
 
 def _declarable(head: str) -> bool:

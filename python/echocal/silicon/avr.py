@@ -87,8 +87,7 @@ class Avr(Board):
         rows, found = self.drive(thing, made, strides(made))
         fewest, most = min(part.fewest for part in found), max(part.most for part in found)
         if fewest != most:
-            message = f"not of constant time: calls take {fewest} to {most} cycles"
-            raise EchocalError(message)
+            raise EchocalError(f"not of constant time: calls take {fewest} to {most} cycles")
         first, last = axes(made)[0]
         return f"{joined(rows, last - first + 1):016x}"
 

@@ -11,8 +11,6 @@ from echocal.silicon.avr import Avr
 from echocal.silicon.board import HERE, Board, Calls, Generated, definitions
 from echocal.silicon.tools import run
 
-__all__ = ["CORES", "cores_of"]
-
 CALLS = 2000  # of each input, as in board.c
 BARE = ("-std=gnu99", "-O2", "-ffreestanding", "-nostdlib")
 SPEAKING = ("-display", "none", "-monitor", "none", "-serial", "none", "-chardev", "stdio,id=host")
@@ -103,16 +101,6 @@ CORES = {
 
 def cores_of(target: str) -> list[str]:
     """Return the cores that a target is for: its own, all where the target is only a standard, or none.
-
-    Parameters
-    ----------
-    target : str
-        Name of a target.
-
-    Returns
-    -------
-    list of str
-        Names in `CORES`.
 
     Examples
     --------

@@ -5,8 +5,6 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["CLOCK", "Habit", "Line", "Log", "codes_of", "habit_of", "rows_of", "told_late"]
-
 CLOCK = 16_000_000
 """Cycles in a second."""
 
@@ -135,12 +133,7 @@ def _habit_of_the_first_loop(log: Log) -> Habit:
 def told_late(habit: Habit, log: Log, other: Log) -> Habit:
     """Return a habit less what a sketch tells of an echo only after its wait.
 
-    Parameters
-    ----------
-    habit : Habit
-        Of `habit_of`.
-    log, other : Log
-        Runs that differ in their last echo: a line that differs, too, tells of that echo, not of the next.
+    The runs differ in their last echo: a line that differs, too, tells of that echo, not of the next.
     """
     if len(log.ends) != len(other.ends):
         return habit

@@ -10,8 +10,6 @@ from echocal.errors import UsageError
 from echocal.silicon.board import Board, Generated, called, function
 from echocal.silicon.cores import CORES
 
-__all__ = ["Measurement", "measure", "missing", "output_hash"]
-
 
 @dataclass(frozen=True)
 class Measurement:
@@ -61,28 +59,14 @@ class Measurement:
 def board_of(core: str) -> Board:
     """Return the board of a core."""
     if core not in CORES:
-        message = f"unknown core '{core}'; this version has {', '.join(CORES)}"
-        raise UsageError(message)
+        raise UsageError(f"unknown core '{core}'; this version has {', '.join(CORES)}")
     return CORES[core]
 
 
 def missing(core: str) -> list[str]:
     """Return what is not installed of what measuring on a core needs.
 
-    Parameters
-    ----------
-    core : str
-        Name in `CORES`.
-
-    Returns
-    -------
-    list of str
-        Commands and packages; empty if nothing is missing.
-
-    Raises
-    ------
-    UsageError
-        If there is no such core.
+    Commands and packages. Raises `UsageError` if there is no such core.
     """
     return board_of(core).missing()
 

@@ -16,8 +16,7 @@ def run(*command: str | Path) -> str:
     """Return the standard output of a command. Raises `EchocalError` if it fails, with what it said."""
     code, out, said = attempt(*command)
     if code != 0:
-        message = f"{' '.join(map(str, command))}: {(said or out).strip() or f'exit code {code}'}"
-        raise EchocalError(message)
+        raise EchocalError(f"{' '.join(map(str, command))}: {(said or out).strip() or f'exit code {code}'}")
     return out
 
 
@@ -46,14 +45,9 @@ def compiler_version(compiler: str) -> str:
 def kept(name: str, fill: Callable[[Path], None]) -> Path:
     """Return a folder of this name; whoever comes first fills it.
 
-    It is complete or absent: two processes that fill it at once each fill their own, and one stays.
-
-    Parameters
-    ----------
-    name : str
-        Name of the folder. It names its content: a hash of what that is made from is part of it.
-    fill : callable
-        Called with an empty folder, if there is none of this name.
+    It is complete or absent: two processes that fill it at once each fill their own, and one stays. A hash
+    of what it is made from is part of its name. `fill` is called with an empty folder, if there is none of
+    this name.
     """
     base = _base()
     folder = base / name

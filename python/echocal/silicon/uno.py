@@ -11,17 +11,14 @@ from typing import IO
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from echocal.arrays import Column
 from echocal.errors import DataError, EchocalError, UsageError
 from echocal.silicon.arduino import SIMULATOR_WAY_OUT, Sketch, simulated_uno
 from echocal.silicon.events import CLOCK, Habit, Log, codes_of, habit_of, rows_of, told_late
-from echocal.time_outs import HC_SR04 as TIME_OUT
-
-__all__ = ["TIME_OUT", "Played", "play", "refuse_impossible"]
 
 SILENCE = 450e-6
 """From the end of the trigger to ECHO's rise [s]: eight periods of 40 kHz and what the module does before."""
 
-Column = NDArray[np.float64]
 Progress = Callable[[int, int], object]
 
 _PINS, _ANALOG = 20, 2
@@ -177,12 +174,10 @@ def _listened(words: Sequence[str], given: int, count: int, progress: Progress |
         said.seek(0)
         reason = said.read().strip().partition("\n")[0]
     if board.returncode == _NOT_LOADED:
-        message = f"the simulated UNO does not start: {reason}; {SIMULATOR_WAY_OUT}"
-        raise UsageError(message)
+        raise UsageError(f"the simulated UNO does not start: {reason}; {SIMULATOR_WAY_OUT}")
     if board.returncode != 0:
         told = f": {reason}" if reason else ""
-        message = f"the simulated UNO ended with exit code {board.returncode}{told}"
-        raise EchocalError(message)
+        raise EchocalError(f"the simulated UNO ended with exit code {board.returncode}{told}")
     return log
 
 
@@ -192,26 +187,23 @@ def _started(words: Sequence[str], given: int, said: IO[str]) -> "subprocess.Pop
             words, stdin=given, stdout=subprocess.PIPE, stderr=said, text=True, errors="replace"
         )
     except OSError as error:
-        message = (
+        raise UsageError(
             f"the simulated UNO cannot be started: {words[0]}: {error.strerror}; remove this folder and run "
             "again, or set ECHOCAL_CACHE to a folder in which programs may run"
-        )
-        raise UsageError(message) from None
+        ) from None
 
 
 def _rows(echo: ArrayLike, silence: ArrayLike, voltages: ArrayLike, time_out: float | None) -> Column:
     """Return silence [us], length of ECHO [us] and two voltages [mV] for each row."""
     lengths = np.asarray(echo, dtype=np.float64)
     if lengths.ndim != 1:
-        message = f"echo has shape {lengths.shape}; one echo time for each trigger is expected"
-        raise UsageError(message)
+        raise UsageError(f"echo has shape {lengths.shape}; one echo time for each trigger is expected")
     impossible = np.flatnonzero((lengths < _SHORTEST) | (lengths > _LONGEST))
     if len(impossible):
-        message = (
+        raise UsageError(
             f"echo {impossible[0] + 1} is {lengths[impossible[0]]:g} s; expected is {_SHORTEST:g} to "
             f"{_LONGEST:g} s, or NaN for a missed echo"
         )
-        raise UsageError(message)
     lengths = np.where(np.isnan(lengths), 0.0 if time_out is None else time_out, lengths)
     volts = np.asarray(voltages, dtype=np.float64)
     volts = volts[:, np.newaxis] if volts.ndim == 1 else volts
@@ -221,14 +213,12 @@ def _rows(echo: ArrayLike, silence: ArrayLike, voltages: ArrayLike, time_out: fl
         width = volts.shape[1] if volts.ndim == 2 else 1
         both[:, :width] = np.broadcast_to(volts, (len(lengths), width))
     except ValueError:
-        message = (
+        raise UsageError(
             f"echo has shape {lengths.shape}, silence {np.shape(silence)} and voltages {np.shape(voltages)}: "
             "they must agree in the number of rows, and there are two analog pins"
-        )
-        raise UsageError(message) from None
+        ) from None
     if not (np.isfinite(both).all() and np.isfinite(first).all() and (first >= 0.0).all()):
-        message = "voltages and silence must be finite numbers, and silence must not be negative"
-        raise UsageError(message)
+        raise UsageError("voltages and silence must be finite numbers, and silence must not be negative")
     return np.column_stack([first * 1e6, lengths * 1e6, both * 1e3])
 
 
@@ -241,19 +231,14 @@ def refuse_impossible(
 ) -> None:
     """Refuse what no board, module or run can have.
 
-    Raises
-    ------
-    UsageError
-        If a value is not a number or out of its range.
+    Raises `UsageError` if a value is not a number or out of its range.
     """
     for name, value, most in (("time_out", time_out, _LONGEST), ("patience", patience, _MOST_PATIENCE)):
         if value is not None and not (isinstance(value, Real) and _SHORTEST <= value <= most):
-            message = f"{name} is {value!r} s; expected is {_SHORTEST:g} to {most:g} s"
-            raise UsageError(message)
+            raise UsageError(f"{name} is {value!r} s; expected is {_SHORTEST:g} to {most:g} s")
     if not (isinstance(reference_voltage, Real) and _LEAST_REFERENCE <= reference_voltage <= 5.5):
         told = f"{reference_voltage:g} V" if isinstance(reference_voltage, Real) else repr(reference_voltage)
-        message = f"reference_voltage is {told}; an ATmega328P takes {_LEAST_REFERENCE} to 5.5 V"
-        raise UsageError(message)
+        raise UsageError(f"reference_voltage is {told}; an ATmega328P takes {_LEAST_REFERENCE} to 5.5 V")
     for name, pin in (("trigger_pin", trigger_pin), ("echo_pin", echo_pin)):
         if pin not in range(2, _PINS):
             message = f"{name} is {pin}; an UNO has 2 to 13, and 14 to 19 for A0 to A5 (0 and 1 are Serial)"
@@ -267,10 +252,9 @@ def _refuse_silent(log: Log, board: _Board, count: int) -> None:
     if len(log.triggers) < count:
         raise DataError(_why_no_trigger(log, board, count))
     if not log.lines:
-        message = (
+        raise DataError(
             f"the sketch prints nothing in {log.end / CLOCK:.1f} s on the board: it must use Serial.println"
         )
-        raise DataError(message)
 
 
 def _why_no_trigger(log: Log, board: _Board, count: int) -> str:

@@ -9,8 +9,6 @@ from echocal.keywords import command_line
 from echocal.study.origin import STATED_LAW
 from echocal.study.tables import DISTANCE, READING_SPEED, Tables
 
-__all__ = ["QUESTIONS", "Answer", "Question", "ask", "render"]
-
 _LISTED_FROM = 0.5
 _OVERTAKEN = "The diagnosis no longer finds the causes that the former sentence described."
 _LAW_OF_THE_TABLES = "331.3+0.6*T"
@@ -122,11 +120,6 @@ QUESTIONS = (
 
 def ask(tables: Tables | None = None) -> list[Answer]:
     """Put every question to the diagnosis.
-
-    Parameters
-    ----------
-    tables : Tables, optional
-        Other tables than those that the package ships.
 
     Examples
     --------

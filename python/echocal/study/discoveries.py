@@ -20,8 +20,6 @@ from echocal.study.origin import (
 )
 from echocal.study.tables import Table, Tables
 
-__all__ = ["Discovery", "converted", "discoveries"]
-
 Array = NDArray[np.float64]
 LOWEST, HIGHEST = -20.0, 60.0  # degC, the domain of linear laws
 BITS = (8, 9, 10, 11, 12)  # what microcontrollers' converters have, and their neighbors
@@ -29,24 +27,12 @@ BITS = (8, 9, 10, 11, 12)  # what microcontrollers' converters have, and their n
 
 @dataclass(frozen=True)
 class Discovery:
-    """Something that the numbers show.
+    """Something that the numbers show."""
 
-    Attributes
-    ----------
-    id : str
-        Short name.
-    title : str
-        The point, in few words.
-    text : str
-        What shows it, with numbers.
-    numbers : dict of str to float
-        The numbers, unrounded.
-    """
-
-    id: str
-    title: str
-    text: str
-    numbers: Mapping[str, float] = field(default_factory=dict)
+    id: str  # short name
+    title: str  # the point, in few words
+    text: str  # what shows it, with numbers
+    numbers: Mapping[str, float] = field(default_factory=dict)  # unrounded
 
 
 def discoveries(tables: Tables) -> list[Discovery]:

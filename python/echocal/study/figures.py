@@ -13,8 +13,6 @@ from echocal.study import Study
 from echocal.study.origin import error
 from echocal.study.tables import DISTANCE
 
-__all__ = ["FIGURES", "draw_figure_3", "draw_figure_4", "draw_figure_6", "save"]
-
 INK, GRAY, GRID = "#1f2933", "#7b8794", "#e4e7eb"
 STUDY, TINKERCAD = "#d64545", "#e08e0b"
 AIR = {"dry air": "#9fb3c8", "50 % RH": "#2d7dd2", "100 % RH": "#12355b"}
@@ -73,15 +71,7 @@ def _label(axes: Axes, ends: dict[str, tuple[float, str]], gap: float) -> None:
 
 
 def draw_figure_3(study: Study, axes: Axes) -> None:
-    """Measured distance against temperature (figure 3 of the study).
-
-    Parameters
-    ----------
-    study : Study
-        Results.
-    axes : Axes
-        Where to draw.
-    """
+    """Measured distance against temperature (figure 3 of the study)."""
     table = study.tables.table1
     ends = {name: (end, AIR[name]) for name, end in _air(axes, study, np.asarray).items()}
     axes.axhline(DISTANCE, color=INK, linewidth=1.0, linestyle=(0, (4, 3)))
@@ -98,15 +88,7 @@ def draw_figure_3(study: Study, axes: Axes) -> None:
 
 
 def draw_figure_4(study: Study, axes: Axes) -> None:
-    """Error against temperature, with the sign that Table 1 drops (figure 4 of the study).
-
-    Parameters
-    ----------
-    study : Study
-        Results.
-    axes : Axes
-        Where to draw.
-    """
+    """Error against temperature, with the sign that Table 1 drops (figure 4 of the study)."""
     table = study.tables.table1
     ends = {name: (end, AIR[name]) for name, end in _air(axes, study, error).items()}
     printed = table.values("error_percent")
@@ -143,17 +125,7 @@ def draw_figure_4(study: Study, axes: Axes) -> None:
 
 
 def draw_figure_6(study: Study, axes: Axes, below: Axes) -> None:
-    """Calculation and Tinkercad (figure 6 of the study), and their differences below.
-
-    Parameters
-    ----------
-    study : Study
-        Results.
-    axes : Axes
-        Where to draw distances.
-    below : Axes
-        Where to draw the difference to the calculation.
-    """
+    """Calculation and Tinkercad (figure 6 of the study), and their differences below."""
     table = study.tables.table2
     calculation = table.values("measured_distance_calculation_m")
     tinkercad = table.values("measured_distance_tinkercad_m")
@@ -225,20 +197,7 @@ FIGURES = ("study-figure-3.png", "study-figure-4.png", "study-figure-6.png")
 
 
 def save(study: Study, folder: Path) -> list[Path]:
-    """Draw the three figures as PNG.
-
-    Parameters
-    ----------
-    study : Study
-        Results.
-    folder : Path
-        Where to; it is made where it is missing.
-
-    Returns
-    -------
-    list of Path
-        The files.
-    """
+    """Draw the three figures as PNG."""
     folder.mkdir(parents=True, exist_ok=True)
     paths = [folder / name for name in FIGURES]
     for path, draw in zip(paths[:2], (draw_figure_3, draw_figure_4), strict=True):

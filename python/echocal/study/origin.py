@@ -11,22 +11,6 @@ from echocal.model import Model
 from echocal.observations import read_observations
 from echocal.study.tables import DISTANCE, READING_SPEED, Table, Tables, observations
 
-__all__ = [
-    "CAUSES",
-    "REFERENCE_LAW",
-    "STATED_LAW",
-    "Alternative",
-    "alternatives",
-    "error",
-    "explain",
-    "fit_table_law",
-    "reading",
-    "reading_in",
-    "speed",
-    "table_law",
-    "time",
-]
-
 Array = NDArray[np.float64]
 
 STATED_LAW = "331.4+0.6*T"
@@ -76,21 +60,11 @@ SHOWN = {"m": (1e3, "mm"), "s": (1e6, "µs"), "1": (1e2, "%"), "K": (1.0, "K")}
 
 @dataclass(frozen=True)
 class Alternative:
-    """A single change that may explain the Tinkercad column.
+    """A single change that may explain the Tinkercad column."""
 
-    Attributes
-    ----------
-    cause : str
-        Name of the parameter.
-    estimate : Estimate
-        Its value with standard uncertainty.
-    residual_standard_deviation : float
-        What the change leaves [m].
-    """
-
-    cause: str
-    estimate: Estimate
-    residual_standard_deviation: float
+    cause: str  # name of the parameter
+    estimate: Estimate  # its value with standard uncertainty
+    residual_standard_deviation: float  # what the change leaves [m]
 
     def __str__(self) -> str:
         factor, unit = SHOWN[self.estimate.unit]
@@ -116,17 +90,7 @@ def table_law(tables: Tables) -> str:
 
 
 def explain(tables: Tables, fit: Sequence[str], *, loss: str = "linear") -> Calibration:
-    """Calibrate changes that explain Tinkercad's readings of 2 m, against the law of Table 1.
-
-    Parameters
-    ----------
-    tables : Tables
-        The tables.
-    fit : sequence of str
-        Parameters of the changes.
-    loss : str
-        See `calibrate`.
-    """
+    """Calibrate changes that explain Tinkercad's readings of 2 m, against the law of Table 1."""
     table = tables.table2
     data = observations(table.temperature, table.values("measured_distance_tinkercad_m"))
     return calibrate(data, Model(table_law(tables)), fit, loss=loss)

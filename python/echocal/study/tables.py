@@ -13,8 +13,6 @@ from numpy.typing import NDArray
 from echocal.errors import DataError
 from echocal.observations import Observations, read_observations
 
-__all__ = ["DISTANCE", "READING_SPEED", "Printed", "Table", "Tables", "observations", "reach"]
-
 DISTANCE = 2.0
 """Reference distance of the study [m]."""
 
@@ -75,24 +73,10 @@ class Printed:
 def reach(function: Callable[[Array], float], center: Array, half: Array) -> tuple[float, float]:
     """Find the range of a function over everything that rounds to its printed arguments.
 
-    Follows the signs of the derivatives to a corner of the box, until they no longer change. Both
-    ends are values that the function takes in the box, so what lies between them is reachable;
-    where the function is monotone in each argument, as here over half a digit, they are its
-    extremes.
-
-    Parameters
-    ----------
-    function : callable
-        Takes the arguments, shape (n,).
-    center : ndarray, shape (n,)
-        The arguments as printed.
-    half : ndarray, shape (n,)
-        Half a unit of the last printed digit of each.
-
-    Returns
-    -------
-    tuple of float
-        Lowest and highest value reached.
+    Follows the signs of the derivatives to a corner of the box, until they no longer change. Both ends are
+    values that the function takes in the box, so what lies between them is reachable; where the function is
+    monotone in each argument, as here over half a digit, they are its extremes. `center` are the arguments
+    as printed, `half` half a unit of the last printed digit of each, shape (n,).
 
     Examples
     --------
@@ -157,15 +141,7 @@ class Tables:
     def load(cls, folder: Path | None = None) -> "Tables":
         """Read ``table1.csv`` and ``table2.csv``.
 
-        Parameters
-        ----------
-        folder : Path, optional
-            Where they lie; by default the tables that the package ships.
-
-        Raises
-        ------
-        DataError
-            If a table cannot be read.
+        By default those that the package ships. Raises `DataError` if a table cannot be read.
         """
         place = folder if folder is not None else resources.files("echocal.study") / "data"
         tables = []
@@ -176,11 +152,9 @@ class Tables:
                 table = Table({str(name): tuple(map(Printed, frame[name])) for name in frame})
                 numbers = [table.values(column) for column in table.columns]
             except (OSError, ValueError, TypeError) as error:
-                message = f"cannot read {name}.csv of the study: {error}"
-                raise DataError(message) from None
+                raise DataError(f"cannot read {name}.csv of the study: {error}") from None
             if len(numbers) != width:
-                message = f"{name}.csv of the study has {len(numbers)} columns, not {width}"
-                raise DataError(message)
+                raise DataError(f"{name}.csv of the study has {len(numbers)} columns, not {width}")
             tables.append(table)
         return cls(*tables)
 
@@ -192,14 +166,7 @@ def observations(
 ) -> Observations:
     """Readings [m] of the study's sensor as observations.
 
-    Parameters
-    ----------
-    temperature : ndarray, shape (n,)
-        Temperatures [degC].
-    reading : ndarray, shape (n,)
-        Readings [m], made with 343 m/s.
-    distance : ndarray or float
-        Reference distance [m].
+    The readings are made with 343 m/s; temperatures are in degC.
     """
     columns = {
         "temperature_C": temperature,

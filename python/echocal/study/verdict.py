@@ -7,8 +7,6 @@ from typing import Any
 
 from echocal.study.tables import Printed, Tables
 
-__all__ = ["CHECKS", "Cell", "Claim", "Finding", "Verdict", "check"]
-
 
 class Verdict(StrEnum):
     """What became of a claim."""
@@ -20,36 +18,16 @@ class Verdict(StrEnum):
 
 @dataclass(frozen=True)
 class Claim:
-    """Something that the study states with a number.
+    """Something that the study states with a number."""
 
-    Attributes
-    ----------
-    id : str
-        Short name.
-    group : str
-        Heading in the report.
-    where : str
-        Section or table of the study.
-    claim : str
-        What it states, in few words.
-    printed : str
-        The number as printed.
-    unit : str
-        Its unit.
-    check : str
-        Name of the function that recomputes it.
-    options : dict
-        Arguments of that function.
-    """
-
-    id: str
-    group: str
-    where: str
-    claim: str
-    printed: str
-    unit: str
-    check: str
-    options: dict[str, Any] = field(default_factory=dict)
+    id: str  # short name
+    group: str  # heading in the report
+    where: str  # section or table of the study
+    claim: str  # what it states, in few words
+    printed: str  # the number as printed
+    unit: str  # its unit
+    check: str  # name of the function that recomputes it
+    options: dict[str, Any] = field(default_factory=dict)  # arguments of that function
 
     @property
     def number(self) -> Printed:
@@ -78,33 +56,15 @@ class Cell:
 
 @dataclass(frozen=True)
 class Finding:
-    """What the project's own tools say about a claim.
-
-    Attributes
-    ----------
-    claim : Claim
-        The claim.
-    verdict : Verdict
-        What became of it.
-    recomputed : str
-        The number that comes out, in the unit of the claim.
-    because : str
-        One sentence with the numbers that decide.
-    physical : str
-        The value in true air, where it differs; empty otherwise.
-    cells : tuple of Cell
-        Row by row, for a claim about a table.
-    numbers : dict of str to float
-        The numbers behind the sentence, unrounded.
-    """
+    """What the project's own tools say about a claim."""
 
     claim: Claim
-    verdict: Verdict
-    recomputed: str
-    because: str
-    physical: str = ""
-    cells: tuple[Cell, ...] = ()
-    numbers: dict[str, float] = field(default_factory=dict)
+    verdict: Verdict  # what became of it
+    recomputed: str  # the number that comes out, in the unit of the claim
+    because: str  # one sentence with the numbers that decide
+    physical: str = ""  # the value in true air, where it differs; empty otherwise
+    cells: tuple[Cell, ...] = ()  # row by row, for a claim about a table
+    numbers: dict[str, float] = field(default_factory=dict)  # the numbers behind the sentence, unrounded
 
     def to_dict(self) -> dict[str, Any]:
         """Return the finding for JSON."""

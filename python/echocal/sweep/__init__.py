@@ -97,10 +97,9 @@ def sweep(
     dimensions = [name for name, values in axes.items() if values.ndim]
     shape = tuple(len(axes[name]) for name in dimensions)
     if np.prod(shape, dtype=float) > _LARGEST:
-        message = (
+        raise UsageError(
             f"{' x '.join(map(str, shape))} combinations are more than {_LARGEST:.0e}; take larger steps"
         )
-        raise UsageError(message)
     placed = {name: _placed(values, name, dimensions) for name, values in axes.items()}
     results = _simulate(model, shape, placed)
     return xr.Dataset(
@@ -165,8 +164,7 @@ def refuse_ending(path: Path) -> None:
     Raises `UsageError` if its ending is none of .csv, .parquet and .nc.
     """
     if path.suffix not in _ENDINGS:
-        message = f"cannot write '{path.suffix}' ({path}); endings: {', '.join(_ENDINGS)}"
-        raise UsageError(message)
+        raise UsageError(f"cannot write '{path.suffix}' ({path}); endings: {', '.join(_ENDINGS)}")
 
 
 def write(grid: xr.Dataset, path: Path) -> None:
@@ -185,8 +183,7 @@ def write(grid: xr.Dataset, path: Path) -> None:
                 case _:
                     grid.to_netcdf(unfinished, engine="netcdf4" if find_spec("netCDF4") else "scipy")
     except ImportError:
-        message = "Parquet needs pyarrow: pip install 'echocal[batch]'"
-        raise UsageError(message) from None
+        raise UsageError("Parquet needs pyarrow: pip install 'echocal[batch]'") from None
 
 
 def _scalars(grid: xr.Dataset) -> dict[str, float]:

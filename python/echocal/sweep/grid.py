@@ -11,8 +11,6 @@ from echocal.errors import UsageError
 from echocal.observations.units import NAMES
 from echocal.quantities import QUANTITIES
 
-__all__ = ["Range", "axis", "parse", "parse_named"]
-
 Range: TypeAlias = "float | tuple[float, float, float] | Sequence[float] | NDArray[np.float64]"
 """One value; (start, stop, step), stop included; or values one by one."""
 
@@ -23,10 +21,7 @@ _LEAST = {name: facts.possible[0] for name, facts in QUANTITIES.items()} | {"dis
 def axis(name: str, given: Range) -> NDArray[np.float64]:
     """Values of one quantity: a scalar array for one value, else one-dimensional.
 
-    Raises
-    ------
-    UsageError
-        If the range is empty or holds anything but finite, possible numbers.
+    Raises `UsageError` if the range is empty or holds anything but finite, possible numbers.
     """
     values = _stepped(name, given) if isinstance(given, tuple) else _finite(name, given)
     if values.ndim > 1 or values.size == 0:
@@ -34,21 +29,16 @@ def axis(name: str, given: Range) -> NDArray[np.float64]:
         raise UsageError(message)
     low = _LEAST.get(name, -np.inf)
     if values.min() < low:
-        message = f"{name}: {values.min():g} is below {low:g}, the least that can be"
-        raise UsageError(message)
+        raise UsageError(f"{name}: {values.min():g} is below {low:g}, the least that can be")
     if len(np.unique(values)) != values.size:
-        message = f"{name}: a value occurs more than once"
-        raise UsageError(message)
+        raise UsageError(f"{name}: a value occurs more than once")
     return values
 
 
 def parse(name: str, text: str) -> Range:
     """Range of a text: ``2``, ``0:50:2`` (stop included) or ``0.5,1,2``.
 
-    Raises
-    ------
-    UsageError
-        If the text is none of these.
+    Raises `UsageError` if the text is none of these.
     """
     separator = ":" if ":" in text else ","
     try:
@@ -62,33 +52,27 @@ def parse(name: str, text: str) -> Range:
             return start, stop, step
         case ",", [_, *_]:
             return parts
-    message = f"{name}: '{text}' is no range; write 20, or 0:50:2 (start:stop:step), or 0.5,1,2"
-    raise UsageError(message)
+    raise UsageError(f"{name}: '{text}' is no range; write 20, or 0:50:2 (start:stop:step), or 0.5,1,2")
 
 
 def parse_named(text: str) -> tuple[str, NDArray[np.float64]]:
     """Quantity and its values [SI] of a text with the unit in the name: ``humidity_percent=0:100:20``.
 
-    Raises
-    ------
-    UsageError
-        If the name is none of a table's columns, or the range is none.
+    Raises `UsageError` if the name is none of a table's columns, or the range is none.
     """
     name, _, range_ = text.partition("=")
     form, unit = NAMES.get(name, (None, ""))
     quantity = {"reference_distance": "distance"}.get(form.quantity, form.quantity) if form else ""
     if form is None or quantity not in {"distance", *QUANTITIES}:
         known = (column for column, (other, _) in NAMES.items() if other.quantity in QUANTITIES)
-        message = f"'{name}' names no influence quantity with its unit; known: {', '.join(known)}"
-        raise UsageError(message)
+        raise UsageError(f"'{name}' names no influence quantity with its unit; known: {', '.join(known)}")
     return quantity, form.units[unit].to_si(axis(name, parse(name, range_)))
 
 
 def _finite(name: str, given: ArrayLike) -> NDArray[np.float64]:
     values = numbers(name, given)
     if not np.isfinite(values).all():
-        message = f"{name}: expected finite numbers, got {given!r}"
-        raise UsageError(message)
+        raise UsageError(f"{name}: expected finite numbers, got {given!r}")
     return values
 
 
@@ -101,7 +85,6 @@ def _stepped(name: str, given: tuple[float, ...]) -> NDArray[np.float64]:
     steps = (stop - start) / step if step else np.nan
     if not 0 <= steps < _LARGEST:
         reason = "has too many values" if steps >= _LARGEST else "never gets there"
-        message = f"{name}: from {start:g} to {stop:g} in steps of {step:g} {reason}"
-        raise UsageError(message)
+        raise UsageError(f"{name}: from {start:g} to {stop:g} in steps of {step:g} {reason}")
     # decimals as a person writes them: 0.3, not 0.1 + 0.1 + 0.1
     return np.asarray(np.round(start + step * np.arange(int(steps + 1e-9) + 1), 12))

@@ -8,8 +8,6 @@ constant. Both take the absorption from ISO 9613-1, for no second law of it is k
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-__all__ = ["absorption", "saturation_pressure", "speed_of_sound"]
-
 Column = NDArray[np.float64]
 
 _R = 8.314462618  # J/(mol K), CODATA 2018

@@ -10,8 +10,6 @@ from echocal.virtual_bench.waveform.possible import Limits, check
 from echocal.virtual_bench.waveform.scene import Scene
 from echocal.virtual_bench.waveform.sensor import Sensor
 
-__all__ = ["DETECTORS", "check_air", "echo_time", "scene_of"]
-
 DETECTORS = ("ideal", "comparator")
 """Which module times the echo: one that tells `2 d / c`, or an HC-SR04 with its comparator."""
 
@@ -27,11 +25,7 @@ def check_air(temperature: ArrayLike, relative_humidity: ArrayLike, pressure: Ar
     """Refuse air that cannot be, or is no air of a bench.
 
     Raises `UsageError` if a value is out of its range, or the air would hold more vapor than its pressure.
-
-    Parameters
-    ----------
-    temperature, relative_humidity, pressure : array_like
-        [degC], [1], [Pa]; broadcast together.
+    They are in degC, 1 and Pa.
 
     Examples
     --------
@@ -82,8 +76,7 @@ def echo_time(
     '11645 us'
     """
     if detector not in DETECTORS:
-        message = f"detector is {' or '.join(DETECTORS)}, not '{detector}'"
-        raise UsageError(message)
+        raise UsageError(f"detector is {' or '.join(DETECTORS)}, not '{detector}'")
     air = (temperature, relative_humidity, pressure)
     check_air(*air)
     if detector == "ideal":

@@ -13,19 +13,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from echocal.errors import UsageError
 
-__all__ = [
-    "DHT22",
-    "DS18B20",
-    "HIH4030",
-    "LM35",
-    "PARTS",
-    "POTENTIOMETER",
-    "TMP36",
-    "AnalogThermometer",
-    "Thermometer",
-    "following",
-]
-
 Column = NDArray[np.float64]
 
 _FULL_SUN = 1000.0  # W/m2
@@ -139,21 +126,12 @@ class Thermometer:
 
 @dataclass(frozen=True)
 class AnalogThermometer(Thermometer):
-    """A thermometer with a voltage at its output.
+    """A thermometer with a voltage at its output."""
 
-    Attributes
-    ----------
-    slope : float
-        Volts in a kelvin [V/K].
-    at_zero : float
-        Voltage at 0 degC [V].
-    ratiometric : bool
-        Whether the voltage is proportional to the supply; `slope` and `at_zero` then hold at 5 V.
-    """
-
-    slope: float = 0.01
-    at_zero: float = 0.0
+    slope: float = 0.01  # volts in a kelvin [V/K]
+    at_zero: float = 0.0  # voltage at 0 degC [V]
     ratiometric: bool = False
+    """Whether the voltage is proportional to the supply; `slope` and `at_zero` then hold at 5 V."""
 
     def voltage(self, recorded: ArrayLike, supply: float = 5.0) -> Column:
         """Voltage at the output [V] for what `record` gives [degC], at a supply [V].
@@ -196,10 +174,9 @@ def _seconds(time: ArrayLike, shape: tuple[int, ...]) -> Column:
     falls = np.flatnonzero(np.diff(seconds) < 0.0)
     if len(falls):
         row = int(falls[0])
-        message = (
+        raise UsageError(
             f"time falls from {seconds[row]:g} s to {seconds[row + 1]:g} s (row {row + 2}): it must ascend"
         )
-        raise UsageError(message)
     return seconds
 
 

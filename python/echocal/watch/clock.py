@@ -9,8 +9,8 @@ from zoneinfo import ZoneInfo
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
+from echocal.arrays import Column
 from echocal.errors import DataError
 from echocal.keywords import keyword
 from echocal.observations.clock import YEARS, instants
@@ -19,12 +19,9 @@ from echocal.observations.fields import shown
 from echocal.observations.options import ReadOptions
 from echocal.watch.settings import WatchSettings
 
-__all__ = ["Clock", "Moved", "Times", "Waiting"]
-
 _STEPS = 32  # waits between rows that say what is usual
 _KEPT = 100  # times that a clock was set which are remembered
 _CALENDAR = 1e8  # s: a clock below counts from its own start, or was not set
-Column = NDArray[np.float64]
 
 _DIGITS = re.compile(r"\d+")
 _LETTERS = re.compile(r"[^\W\d_]+")
@@ -99,13 +96,8 @@ class Clock:
     def add(self, row: Waiting) -> tuple[list[Waiting], list[Waiting], Moved | None]:
         """Take one row in.
 
-        Returns
-        -------
-        believed : list of Waiting
-            Rows that are ready for the test, in the order of time.
-        refuted : list of Waiting
-            Rows whose times are errors.
-        moved : Moved or None
+        Returns the rows that are ready for the test, in the order of time; rows whose times are errors; and
+        whether the clock was set.
         """
         if row.time == self.last:
             return [], [row], None

@@ -19,8 +19,6 @@ from echocal.watch.rows import in_range
 from echocal.watch.sensor import Done
 from echocal.watch.state import State
 
-__all__ = ["Comparison"]
-
 _KEPT = 128
 """Rows of a target that are kept; judgement: a change is mostly told within fewer."""
 
@@ -30,30 +28,18 @@ _USUAL = 128
 
 @dataclass
 class Target:
-    """The sensors of one target, and where each is beside the median of all.
+    """The sensors of one target, and where each is beside the median of all."""
 
-    Attributes
-    ----------
-    latest : dict of str to (time, distance)
-        Of each sensor, its last row [s, m].
-    paths : dict of str to list of (row, time, deviation, usual, weight)
-        Of each sensor: the number of the row among those of the target, its time [s], its distance from the
-        median of all [m], the mean of this before the row, and how many rows this mean is of.
-    rows : int
-        Rows of all sensors.
-    """
-
-    latest: dict[str, list[float]] = field(default_factory=dict)
+    latest: dict[str, list[float]] = field(default_factory=dict)  # of each sensor, its last row [s, m]
     paths: dict[str, list[list[float]]] = field(default_factory=dict)
-    rows: int = 0
+    """Of each sensor: the number of the row among those of the target, its time [s], its distance from the
+    median of all [m], the mean of this before the row, and how many rows this mean is of."""
+    rows: int = 0  # rows of all sensors
 
     def add(self, sensor: str, time: float, distance: float, within: float) -> float:
         """Take one row in, and return the median of the other sensors; NaN where none has a fresh row.
 
-        Parameters
-        ----------
-        within : float
-            Age at which a row is not fresh any more [s].
+        `within` is the age at which a row is not fresh any more [s].
         """
         fresh = {
             id_: value
@@ -79,12 +65,7 @@ class Target:
     def moved_most(self, since: float, row: int) -> str | None:
         """The sensor that is farthest from where it was before a time; None if there are not three.
 
-        Parameters
-        ----------
-        since : float
-            Time of the first row that counts [s].
-        row : int
-            Number of the last row that counts.
+        The rows count from `since` [s] up to the one of number `row`.
         """
         moved = {}
         for sensor, path in self.paths.items():

@@ -20,8 +20,6 @@ from echocal.observations.names import is_level_name
 from echocal.observations.part import Part
 from echocal.watch.rows import Columns, Reader, Row
 
-__all__ = ["NO_ECHO", "RATES", "Entry", "Results", "correct", "first_of"]
-
 RATES = {"temperature_rate": "temperature", "radiation_rate": "radiation"}
 """Rates of change that an effect may read, and what each is the rate of."""
 

@@ -21,8 +21,6 @@ from echocal.watch.settings import WatchSettings
 from echocal.watch.source import Files
 from echocal.watch.state import State
 
-__all__ = ["watch"]
-
 
 def watch(
     source: str | Path | Iterable[Row] | Iterable[str],
@@ -112,11 +110,10 @@ def watch(
     if model is not None:
         refuse_no_model(model)
     if isinstance(source, Mapping | bytes) or hasattr(source, "columns") or hasattr(source, "data_vars"):
-        message = (
+        raise UsageError(
             f"watch takes rows as they come, got a {type(source).__name__}; give an iterable of rows: "
             "table.to_dict('records')"
         )
-        raise UsageError(message)
     how = ReadOptions(**options)
     kept = State(None if state is None else Path(state))
     fleet = Fleet(
@@ -174,6 +171,5 @@ def _batches(source: Iterable[Any], how: ReadOptions) -> Iterator[Batch]:
         return
     for row in chain([] if first is None else [first], items):
         if not isinstance(row, Mapping):
-            message = f"a row is a mapping of columns to values, got a {type(row).__name__}"
-            raise UsageError(message)
+            raise UsageError(f"a row is a mapping of columns to values, got a {type(row).__name__}")
         yield Batch([Arrival({str(name): value for name, value in row.items()}, b"", "row")])

@@ -7,8 +7,6 @@ from typing import Any
 
 import numpy as np
 
-__all__ = ["SCHEMA", "Event", "finite", "instant"]
-
 SCHEMA = "echocal.event/1"
 
 _LONGEST = 80  # letters of an id that a person reads
@@ -67,10 +65,7 @@ class Event:
 def instant(seconds: float, *, dated: bool = False) -> str | float:
     """ISO 8601 in UTC of seconds since 1970; seconds of a log's own clock stay what they are.
 
-    Parameters
-    ----------
-    dated : bool
-        Whether the clock is known to have dates.
+    With `dated` the clock is known to have dates.
 
     Examples
     --------

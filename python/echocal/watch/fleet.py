@@ -25,8 +25,6 @@ from echocal.watch.settings import WatchSettings
 from echocal.watch.signatures import unwatchable
 from echocal.watch.state import State
 
-__all__ = ["Fleet"]
-
 _NO_KEY = "no key"
 
 Told = list[tuple[int, Event]]
@@ -349,8 +347,7 @@ class Fleet:
         try:
             if self.by is not None and not any(_id_of(row.get(self.by)) for row in rows):
                 where = f"in the column '{self.by}' of {keyword('by')}{among(self.by, names)}"
-                message = f"a row has no sensor id {where}"
-                raise DataError(message)
+                raise DataError(f"a row has no sensor id {where}")
             known = {name for row in rows for name in self._reader.columns(list(row), units).plan.assignments}
             asked = [(name, column) for name, own in self._named.items() for column in own if column]
             refuse_columns(names, asked, known, self.results(rows[0]), self.reference, self.interval)

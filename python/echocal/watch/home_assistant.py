@@ -20,8 +20,6 @@ from echocal.watch.events import Event, finite
 from echocal.watch.mqtt import client_of, connect
 from echocal.watch.rows import Row
 
-__all__ = ["HomeAssistant", "discovery"]
-
 _PREFIX = "homeassistant"  # of Home Assistant's own settings
 _WAIT = 10.0  # s for the last messages to leave
 _CHANGE = "change"
@@ -31,32 +29,18 @@ _MODEL = "ultrasonic ranger"
 class HomeAssistant:
     """A broker that Home Assistant listens to.
 
-    Each sensor gets a device with four entities. The broker keeps the description and the last state, so that
-    they are there when Home Assistant starts later. When this program ends, however it ends, the broker tells
-    that the sensors are unavailable.
-
-    Parameters
-    ----------
-    url : str
-        ``mqtt://[user[:password]@]host[:port][/prefix]``; ``mqtts`` for TLS.
-    node : str
-        Distinguishes this watch from others at the same broker; empty for none.
-    by : str or None
-        Column of the sensor's id.
-
-    Raises
-    ------
-    UsageError
-        If the address has another form, or the library is absent.
-    DataError
-        If the broker cannot be reached.
+    Each sensor gets a device with four entities. The broker keeps the description and the last state, so
+    that they are there when Home Assistant starts later. When this program ends, however it ends, the broker
+    tells that the sensors are unavailable. The address is ``mqtt://[user[:password]@]host[:port][/prefix]``,
+    ``mqtts`` for TLS; `node` distinguishes this watch from others at the same broker, and `by` is the column
+    of the sensor's id. Raises `UsageError` if the address has another form, or the library is absent, and
+    `DataError` if the broker cannot be reached.
     """
 
     def __init__(self, url: str, node: str = "", by: str | None = None) -> None:
         parts = urlsplit(url)
         if parts.scheme not in {"mqtt", "mqtts"} or not parts.hostname:
-            message = f"{url} is no address of a broker; give mqtt://host[:port][/prefix]"
-            raise UsageError(message)
+            raise UsageError(f"{url} is no address of a broker; give mqtt://host[:port][/prefix]")
         self._prefix = unquote(parts.path.strip("/")) or _PREFIX
         self._base = "/".join(["echocal", *([slug(node)] if node else [])])
         self._node, self._by = node, by
@@ -110,18 +94,8 @@ def discovery(
 ) -> tuple[str, dict[str, Any]]:
     """Topic and payload by which Home Assistant finds a sensor.
 
-    Parameters
-    ----------
-    own : str
-        The sensor in topics and ids: letters, digits, ``_`` and ``-``.
-    name : str
-        The sensor for a person.
-    prefix : str
-        Of the discovery topics.
-    base : str
-        What the topics of this watch begin with.
-    first : str
-        Name of the first result of a row.
+    `own` is the sensor in topics and ids, `name` that for a person; `prefix` is that of the discovery
+    topics, and `base` what the topics of this watch begin with.
 
     Examples
     --------

@@ -6,16 +6,12 @@ from functools import cache
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from echocal.arrays import Column
 from echocal.watch.noise import Noises, coarse, growth, learn, unlike, weights, whitened
 from echocal.watch.sequential import Onset, Onsets
 from echocal.watch.settings import WatchSettings
 from echocal.watch.threshold import slack, threshold
-
-__all__ = ["Alarm", "Monitor"]
-
-Column = NDArray[np.float64]
 
 DAY = 86400.0
 _PLAIN = (
@@ -81,16 +77,8 @@ class Monitor:
     ) -> Alarm | None:
         """Take one row in, in the order of time.
 
-        Parameters
-        ----------
-        time : float
-            [s].
-        residual, distance : float
-            Corrected less reference distance, and the latter [m].
-        signature : ndarray
-            [m].
-        reading : float
-            As it came, in any unit.
+        The residual is the corrected less the reference distance [m]; the reading is as it came, in any
+        unit.
         """
         if self.rows == 0:
             self.origin = time

@@ -12,8 +12,6 @@ from echocal.watch.parser import Batch, json_of, parsed
 from echocal.watch.rows import Row
 from echocal.watch.state import State
 
-__all__ = ["Broker", "client_of", "connect", "place_of"]
-
 _MOST = 2000  # messages of a batch
 
 
@@ -21,25 +19,12 @@ class Broker:
     """Messages of a topic: each payload is one JSON object or a list of them.
 
     A message is acknowledged when its rows are committed, or when it is set aside. With a client's name and
-    quality of service 1, the broker keeps what comes while nobody watches.
-
-    Parameters
-    ----------
-    url : str
-        ``mqtt://[user[:password]@]host[:port]/topic``; ``mqtts`` for TLS. The topic may have wildcards.
-    client : str
-        Name of the client, which the broker keeps messages for; empty for none.
-    wait : float
-        Longest wait for the next message before an empty batch [s].
-    state : State
-        Knows the last message of each topic: one that the broker keeps counts once.
-
-    Raises
-    ------
-    UsageError
-        If the address is not of this form, or the library is absent.
-    DataError
-        If the broker cannot be reached or refuses.
+    quality of service 1, the broker keeps what comes while nobody watches. The address is
+    ``mqtt://[user[:password]@]host[:port]/topic``, ``mqtts`` for TLS; the topic may have wildcards. `client`
+    is the name that the broker keeps messages for, `wait` the longest wait for the next message before an
+    empty batch [s]; the state knows the last message of each topic: one that the broker keeps counts once.
+    Raises `UsageError` if the address is not of this form, or the library is absent, and `DataError` if the
+    broker cannot be reached or refuses.
     """
 
     def __init__(self, url: str, client: str, wait: float, state: State) -> None:
@@ -131,17 +116,13 @@ class Broker:
 def client_of(parts: SplitResult, **settings: Any) -> Any:
     """A client for the broker of an address, which is not connected yet.
 
-    Raises
-    ------
-    UsageError
-        If the library is absent.
+    Raises `UsageError` if the library is absent.
     """
     try:
         from paho.mqtt.client import Client
         from paho.mqtt.enums import CallbackAPIVersion
     except ImportError:
-        message = "MQTT needs the library paho-mqtt: pip install 'echocal[mqtt]'"
-        raise UsageError(message) from None
+        raise UsageError("MQTT needs the library paho-mqtt: pip install 'echocal[mqtt]'") from None
     client = Client(CallbackAPIVersion.VERSION2, **settings)
     if parts.username:
         client.username_pw_set(unquote(parts.username), unquote(parts.password or ""))
@@ -153,18 +134,14 @@ def client_of(parts: SplitResult, **settings: Any) -> Any:
 def connect(client: Any, parts: SplitResult) -> None:
     """Connect a client, and let it work.
 
-    Raises
-    ------
-    DataError
-        If the broker cannot be reached.
+    Raises `DataError` if the broker cannot be reached.
     """
     place = place_of(parts)
     host, _, port = place.rpartition(":")
     try:
         client.connect(host, int(port))
     except OSError as error:
-        message = f"the broker {place} cannot be reached: {error.strerror or error}"
-        raise DataError(message) from None
+        raise DataError(f"the broker {place} cannot be reached: {error.strerror or error}") from None
     client.loop_start()
 
 

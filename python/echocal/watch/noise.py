@@ -9,12 +9,9 @@ from scipy.linalg import cho_factor, cho_solve
 from scipy.signal import lfilter
 from scipy.stats import chi2
 
+from echocal.arrays import Column
 from echocal.observations.quantiles import MAD_TO_SD
 from echocal.watch.settings import WatchSettings
-
-__all__ = ["Learned", "Noises", "coarse", "growth", "learn", "unlike", "weights", "whitened"]
-
-Column = NDArray[np.float64]
 
 _ROUNDS = 4  # of clipping outliers and fitting again
 _GROWTHS = (0.0, 0.25, 0.5, 1.0, 2.0, 4.0, 1e3)
@@ -93,16 +90,9 @@ def learn(
 ) -> Learned:
     """Fit the sizes and the noise before a change.
 
-    Parameters
-    ----------
-    residual : ndarray, shape (n,)
-        Corrected less reference distance [m].
-    columns : ndarray, shape (n, p)
-        Signatures of causes, in prior standard deviations [m].
-    prior : ndarray, shape (p,)
-        Precision of the sizes before anything is known.
-    starts : ndarray of int
-        First rows of series; 0 is the first.
+    `residual`, shape (n,), is the corrected less the reference distance [m]; `columns`, shape (n, p), are
+    signatures in prior standard deviations [m]; `prior` is the precision of the sizes before anything is
+    known; `starts` are the first rows of series.
     """
     noises = _tried(settings)
     cleaned = _without_outliers(residual, columns, prior, starts, settings)
@@ -180,16 +170,9 @@ def growth(cleaned: Column, distance: Column) -> tuple[float, float]:
 def unlike(scores: Column, columns: Column, probability: float) -> str:
     """Why whitened rows are not those of steady noise of the model class; nothing if they may be.
 
-    Sums over blocks of independent scores have the variance of the sum of their squares.
-
-    Parameters
-    ----------
-    scores : ndarray, shape (n,)
-        Standardized, clipped.
-    columns : ndarray, shape (n, p)
-        Whitened signatures.
-    probability : float
-        That steady noise is refused.
+    Sums over blocks of independent scores have the variance of the sum of their squares. The scores are
+    standardized and clipped, the columns whitened signatures; `probability` is that of refusing steady
+    noise.
     """
     squares = scores * scores
     tried = np.column_stack([columns * scores[:, None], squares - squares.mean()])

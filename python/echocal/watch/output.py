@@ -13,18 +13,11 @@ from echocal.watch.events import finite
 from echocal.watch.rows import Row
 from echocal.watch.state import State
 
-__all__ = ["Growing", "Stream", "Table"]
-
 
 class Growing:
     """A text file to which lines are appended.
 
-    Parameters
-    ----------
-    state : State
-        Knows its committed length.
-    append : bool
-        Whether lines of another watch stay.
+    The state knows its committed length; with `append` lines of another watch stay.
     """
 
     def __init__(self, path: Path, state: State, *, append: bool = False) -> None:

@@ -17,8 +17,6 @@ from echocal.observations.limits import from_json
 from echocal.observations.scanner import Scanner
 from echocal.watch.rows import Row
 
-__all__ = ["Arrival", "Batch", "Parser", "Unread", "json_of", "parsed"]
-
 _MOST = 2000  # rows of a batch: what a stop by force repeats at most
 _FEW = 20  # lines among which there is a header, or none comes
 _SHOWN = 80  # letters of a text that a message shows
@@ -74,34 +72,15 @@ class Batch:
 class Parser:
     """From the bytes of one source to rows: JSON where a line begins with a brace, else below a header.
 
-    Parameters
-    ----------
-    source : str
-        File or stream.
-    layout : Layout
-        How its text is written.
-    only_json : bool
-        Whether every line is JSON.
-    kept : mapping, optional
-        What `to_dict` gave.
-
-    Attributes
-    ----------
-    line : int
-        Lines that were taken.
+    The `source` is the name of the file or stream; `line` is the number of lines that were taken. With
+    `only_json` every line is JSON; `kept` is what `to_dict` gave.
     """
 
     def __init__(
         self, source: str, layout: Layout, *, only_json: bool = False, kept: Mapping[str, Any] | None = None
     ) -> None:
         self._source, self._layout, self._only_json = source, layout, only_json
-        new: dict[str, Any] = {
-            "encoding": "",
-            "sure": False,
-            "decimal": layout.decimal or "",
-            "line": 0,
-            "head": None,
-        }
+        new = {"encoding": "", "sure": False, "decimal": layout.decimal or "", "line": 0, "head": None}
         plain: Mapping[str, Any] = kept or new
         self._encoding, self._sure = str(plain["encoding"]), bool(plain["sure"])
         self._decimal, self.line = str(plain["decimal"]), int(plain["line"])
@@ -123,14 +102,8 @@ class Parser:
     def batches(self, data: bytes, *, final: bool) -> Iterator[tuple[Batch, int]]:
         """Rows of the whole lines at the beginning of some bytes, and how many bytes they are.
 
-        Raises `DataError` if the header is no text, or none that `echocal correct` reads.
-
-        Parameters
-        ----------
-        data : bytes
-            What follows the lines so far.
-        final : bool
-            Whether nothing comes behind it: then the last line is whole without an end.
+        Raises `DataError` if the header is no text, or none that `echocal correct` reads. `data` follows the
+        lines so far; if it is `final`, nothing comes behind it, and the last line is whole without an end.
         """
         marked = self._open(data, final)
         if marked is None:
@@ -208,11 +181,10 @@ class Parser:
                 raise
             return at
         if head.nameless:
-            message = (
+            raise DataError(
                 f"{self._source} is text without a header, which cannot be watched: write the names of its "
                 "columns into a first line"
             )
-            raise DataError(message)
         below = [line for line in first[head.start - before - at :] if line.strip()]
         if not final and len(first) < FIRST and not any(_fits(line, head) for line in below):
             return at
@@ -359,7 +331,6 @@ def _object(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     found: dict[str, Any] = {}
     for name, value in pairs:
         if name in found:
-            message = f"the field '{name[:_SHOWN]}' twice"
-            raise _RepeatedError(message)
+            raise _RepeatedError(f"the field '{name[:_SHOWN]}' twice")
         found[name] = value
     return found

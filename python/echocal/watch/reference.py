@@ -9,8 +9,6 @@ from echocal.keywords import command_line, keyword
 from echocal.model import Model
 from echocal.model.folder import ModelFolder
 
-__all__ = ["Models", "Reference", "models_of", "refuse_columns"]
-
 Models = Callable[[str], Model | None]
 
 
@@ -48,8 +46,7 @@ class Reference:
             if one.name != "within" and getattr(self, one.name) not in {None, False}
         ]
         if len(given) > 1:
-            message = f"{' and '.join(given)} contradict each other: give one of them"
-            raise UsageError(message)
+            raise UsageError(f"{' and '.join(given)} contradict each other: give one of them")
         if self.reference_distance is not None and not self.reference_distance > 0.0:
             message = f"{keyword('reference_distance', self.reference_distance)}: give a distance above 0 m"
             raise UsageError(message)
@@ -69,17 +66,13 @@ class Reference:
 def models_of(model: Model | None, folder: Path | None) -> Models:
     """Model by sensor: one for all, or that of a folder (`ModelFolder`); None where a sensor has none.
 
-    Raises
-    ------
-    UsageError
-        If the folder does not exist.
+    Raises `UsageError` if the folder does not exist.
     """
     if folder is None:
         return lambda _: model
     if not folder.is_dir():
         made = command_line("diagnose", by="COLUMN", models="DIR")
-        message = f"{keyword('models', str(folder))} is no folder; `{made}` writes one"
-        raise UsageError(message)
+        raise UsageError(f"{keyword('models', str(folder))} is no folder; `{made}` writes one")
     return ModelFolder(folder).model
 
 
@@ -93,44 +86,31 @@ def refuse_columns(
 ) -> None:
     """Refuse, on the first rows, what no test is possible with.
 
-    Raises `UsageError` if a request names a column that no row has, and `DataError` if the rows have no time,
-    nothing to be compared with, or were corrected before.
-
-    Parameters
-    ----------
-    names, known : collection of str
-        Columns of the rows, and quantities that the rows have.
-    asked : sequence of (str, str)
-        Keywords that name a column, with the column.
-    results : sequence of str
-        Columns that are appended.
-    interval : float or None
-        Time between rows that the user states [s].
+    Raises `UsageError` if a request names a column that no row has, and `DataError` if the rows have no
+    time, nothing to be compared with, or were corrected before. `asked` are keywords that name a column,
+    with the column; `results` are the columns that are appended, and `interval` is the time between rows
+    that the user states [s].
     """
     listed = ", ".join(names)
     for option, column in [*asked, ("same_target", reference.same_target)]:
         if column is not None and column not in names:
             own = among(column, names, "the first rows have")
-            message = f"{keyword(option)}: no row has a column '{column}'{own}"
-            raise UsageError(message)
+            raise UsageError(f"{keyword(option)}: no row has a column '{column}'{own}")
     taken = [name for name in results if name in names]
     if taken:
-        message = f"the rows already have a column '{taken[0]}': they were corrected before; rename it"
-        raise DataError(message)
+        raise DataError(f"the rows already have a column '{taken[0]}': they were corrected before; rename it")
     if reference.kind == "none":
         return
     if reference.kind == "column" and not reference.reference_later and "reference_distance" not in known:
-        message = (
+        raise DataError(
             "no row has a reference distance, so nothing tells an error from a target that moves; say what "
             f"the corrected distance can be compared with: {keyword('reference_distance')} (in m), "
             f"{keyword('constant_distance', True)}, {keyword('same_target', 'COLUMN')} (other sensors of one "
             f"target), {keyword('reference_later', True)} (a column distance_m comes now and then), or "
             f"{keyword('correct_only', True)}"
         )
-        raise DataError(message)
     if "elapsed_time" not in known and interval is None:
-        message = (
+        raise DataError(
             "no row has a time, which dates a change and gives the false alarms per year; the rows have "
             f"{listed}: add a column time (ISO 8601) or time_s, or give {keyword('interval')} in s"
         )
-        raise DataError(message)

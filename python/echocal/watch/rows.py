@@ -16,8 +16,6 @@ from echocal.observations.numbers import NO_NUMBER, Missing, number_of
 from echocal.observations.plan import Assignment, Plan, make, read_columns
 from echocal.quantities import QUANTITIES
 
-__all__ = ["Columns", "Reader", "Row", "conditions_of", "in_range", "refused_names"]
-
 Row = Mapping[str, Any]
 
 _ECHOES = ("echo_time", "reading")
@@ -27,18 +25,10 @@ _LONGEST = 1000  # letters of a name, and fields of a row: what reads names take
 
 @dataclass(frozen=True)
 class Columns:
-    """What the columns of a row are.
-
-    Attributes
-    ----------
-    names : tuple of str
-    requests : dict of str to str
-        Meaning of columns, with what names and units say.
-    plan : Plan
-    """
+    """What the columns of a row are."""
 
     names: tuple[str, ...]
-    requests: dict[str, str]
+    requests: dict[str, str]  # meaning of columns, with what names and units say
     plan: Plan
 
     @property
@@ -68,18 +58,8 @@ class Columns:
 class Reader:
     """Read the fields of rows by the names of their columns.
 
-    Raises `UsageError` if a meaning names no quantity.
-
-    Parameters
-    ----------
-    columns : mapping of str to str, optional
-        Meaning of columns, as in `echocal.read_observations`.
-    ignored : sequence of str
-        Columns that hold no quantity, such as the sensor's id.
-    missing : collection, or mapping of str to collection
-        Error codes that mean "no value".
-    mount_height : float, optional
-        Of the sensor above the zero of levels [m].
+    Raises `UsageError` if a meaning names no quantity. `columns`, `missing` and `mount_height` [m] are as in
+    `echocal.read_observations`; `ignored` columns hold no quantity, such as the sensor's id.
     """
 
     def __init__(
@@ -105,12 +85,8 @@ class Reader:
     ) -> Columns:
         """What columns are, by their names, by units that a log gives beside them, and by a model's height.
 
-        Raises
-        ------
-        DataError
-            If a name has no known unit, or two hold the same quantity.
-        UsageError
-            If no column is a level and a height is given, or the model's is another one.
+        Raises `DataError` if a name has no known unit, or two hold the same quantity, and `UsageError` if no
+        column is a level and a height is given, or the model's is another one.
         """
         said = units or {}
         key = frozenset(names), tuple(said.items()), None if model is None else kept_height(model)
@@ -126,13 +102,7 @@ class Reader:
         return self._known[key]
 
     def read(self, row: Row, columns: Columns, decimal: str = ".") -> tuple[dict[str, float], list[str]]:
-        """Numbers of the columns that hold some, NaN where a field has none; and columns with another text.
-
-        Parameters
-        ----------
-        decimal : str
-            Decimal separator of texts.
-        """
+        """Numbers of the columns that hold some, NaN where a field has none; and columns of other texts."""
         numbers: dict[str, float] = {}
         damaged = []
         for column in columns.measured:

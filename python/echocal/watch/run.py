@@ -18,8 +18,6 @@ from echocal.watch.parser import Arrival, Batch, Unread
 from echocal.watch.rows import Row, refused_names
 from echocal.watch.source import Source
 
-__all__ = ["SCHEMA", "Run"]
-
 SCHEMA = "echocal.unread/1"
 
 
@@ -174,15 +172,8 @@ class Run:
     def refuse_nothing(self, empty: str) -> None:
         """Refuse to call rows done if none was corrected, nor by an earlier watch with this state.
 
-        Parameters
-        ----------
-        empty : str
-            What to say where no row has come at all; nothing where more is expected.
-
-        Raises
-        ------
-        DataError
-            With the reasons.
+        `empty` is what to say where no row has come at all; nothing where more is expected. Raises
+        `DataError` with the reasons.
         """
         if self.fleet.state.fact("corrected"):
             return
@@ -195,8 +186,7 @@ class Run:
         said += [f"{self.aside} lines are no rows"] if self.aside else []
         comma = any("," in own for _, _, own in most)
         way = f"; a decimal comma? pass {keyword('decimal', ',')}" if comma else ""
-        message = f"no row could be corrected: {'; '.join(said)}{way}"
-        raise DataError(message)
+        raise DataError(f"no row could be corrected: {'; '.join(said)}{way}")
 
 
 def _letter(one: Unread) -> str:

@@ -6,8 +6,8 @@ from dataclasses import dataclass, field
 from typing import Any, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from echocal.arrays import Column
 from echocal.correct.needed import context_of
 from echocal.correct.results import LEVEL, STATUS, UNCERTAINTY
 from echocal.errors import DataError
@@ -24,15 +24,11 @@ from echocal.watch.rows import Row, conditions_of, row_to_keep
 from echocal.watch.settings import WatchSettings
 from echocal.watch.signatures import Signature, Signatures, refuse_unwatchable, step_and_drift
 
-__all__ = ["Done", "Host", "Sensor", "results"]
-
 
 def results(first: str) -> tuple[str, str, str]:
     """Names of the columns that are appended, where the first is that of a distance or of a level."""
     return first, UNCERTAINTY, STATUS
 
-
-Column = NDArray[np.float64]
 
 _DIGITS = 9  # of a distance [m]: to a nanometer
 _WINDOW = 15.0  # s: what a rate is taken over at least, as far back as at the end of a table
@@ -81,31 +77,15 @@ class Host(Protocol):
 
 @dataclass
 class Sensor:
-    """The rows of one sensor, in the order in which they come.
-
-    Attributes
-    ----------
-    id : str
-    model : Model
-    settings : WatchSettings
-    reference : {"column", "distance", "constant", "others", "none"}
-        Where its reference distance comes from.
-    interval : float or None
-        Time between rows [s] that the user states.
-    mark_rows : bool
-        Whether rules of the model mark rows.
-    window : list of Entry
-        Rows that wait for later ones, and the corrected ones before them that their marks look at.
-    done : int
-        How many of them are corrected.
-    """
+    """The rows of one sensor, in the order in which they come."""
 
     id: str
     model: Model
     settings: WatchSettings
     reference: str
-    interval: float | None = None
-    mark_rows: bool = True
+    """Where its reference distance comes from; one of "column", "distance", "constant", "others", "none"."""
+    interval: float | None = None  # time between rows [s] that the user states
+    mark_rows: bool = True  # whether rules of the model mark rows
     monitor: Monitor = field(init=False)
     clock: Clock = field(init=False)
     times: Times = field(default_factory=lambda: Times(""))
@@ -117,7 +97,8 @@ class Sensor:
     ignored: int = 0
     rows: int = 0
     window: list[Entry] = field(default_factory=list)
-    done: int = 0
+    """Rows that wait for later ones, and the corrected ones before them that their marks look at."""
+    done: int = 0  # how many of them are corrected
     dated: bool = False
     requests: dict[str, str] = field(default_factory=dict)
     _signatures: Signatures | None = None
@@ -314,11 +295,10 @@ class Sensor:
         """Continue where `to_dict` was called; the rows of the window are still to be read."""
         if kept["model"] != self.model.hash:
             who = f"sensor {self.id}" if self.id else "the sensor"
-            message = (
+            raise DataError(
                 f"the state is of another model of {who} ({kept['model'][:12]}, now {self.model.hash[:12]}): "
                 f"give that model, or begin with another {keyword('state')}"
             )
-            raise DataError(message)
         for name in _PLAIN:
             setattr(self, name, kept[name])
         self.times = Times("", **kept["times"])

@@ -7,12 +7,10 @@ import numpy as np
 
 from echocal.keywords import keyword
 from echocal.watch.clock import Clock, Moved, Waiting
-from echocal.watch.events import Event, instant
+from echocal.watch.events import Event, finite, instant
 from echocal.watch.monitor import DAY, Alarm, Monitor
 from echocal.watch.settings import WatchSettings
 from echocal.watch.signatures import Signature
-
-__all__ = ["changed", "ignored", "learned", "moved", "why_refuted"]
 
 
 class Watched(Protocol):
@@ -42,7 +40,7 @@ def ignored(sensor: Watched, row: Waiting, rows: Sequence[Waiting], why: str) ->
     count = "1 row is" if sensor.ignored == 1 else f"{sensor.ignored} rows so far are"
     sentence = f"{count} corrected, but not tested; the last one because {why}"
     details = {"rows": sensor.ignored, "reason": why}
-    return [Event("ignored", sensor.id, _time(row), row.number, sentence, details)]
+    return [Event("ignored", sensor.id, finite(row.time), row.number, sentence, details)]
 
 
 def why_refuted(sensor: Watched, rows: Sequence[Waiting], last: float | None) -> str:
@@ -137,10 +135,6 @@ def changed(sensor: Watched, row: Waiting, alarm: Alarm, farthest: str | None) -
     }
     sensor.follow = {"since": since, "from": alarm.times[0], "at": 0, "rows": alarm.onset.rows - 1}
     return Event("change", sensor.id, row.time, row.number, sentence, details)
-
-
-def _time(row: Waiting) -> float | None:
-    return row.time if np.isfinite(row.time) else None
 
 
 def _doubt(reference: str, sensor: str, farthest: str | None) -> str:

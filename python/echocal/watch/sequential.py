@@ -4,11 +4,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-__all__ = ["Onset", "Onsets"]
-
-Column = NDArray[np.float64]
+from echocal.arrays import Column
 
 
 @dataclass(frozen=True)
@@ -29,14 +26,8 @@ class Onset:
 class Onsets:
     """For each possible onset and each signature, the sums of docs/method/several-tables.md, Eq. 51.
 
-    Parameters
-    ----------
-    signatures : int
-        Number of signatures; the last one is a drift that begins at the onset.
-    spacing : int
-        Onsets of age a are at most a / spacing apart.
-    longest : int
-        Greatest age [rows].
+    The last signature is a drift that begins at the onset. Onsets of age a are at most a / `spacing` apart,
+    and `longest` is the greatest age [rows].
     """
 
     def __init__(self, signatures: int, spacing: int, longest: int) -> None:
@@ -58,18 +49,10 @@ class Onsets:
     ) -> float:
         """Take one row in, and return the largest log likelihood ratio.
 
-        Parameters
-        ----------
-        time : float
-            Since the test began [days].
-        signature : ndarray, shape (j - 1,)
-            What each cause adds to this row's residual [m].
-        score : float
-            Standardized innovation of this row.
-        noise : (float, float, float)
-            Autocorrelation, white part, standard deviation of the innovation [m].
-        weight : float
-            What the signature has been multiplied by, for the drift.
+        The time is since the test began [days], the signature what each cause adds to this row's residual
+        [m], the score its standardized innovation; `noise` is autocorrelation, white part and standard
+        deviation of the innovation [m], and `weight` what the signature has been multiplied by, for the
+        drift.
         """
         rho, theta, scale = noise
         self._thin(row)

@@ -6,8 +6,6 @@ from typing import Any
 from echocal.diagnose.settings.threshold import threshold
 from echocal.errors import UsageError
 
-__all__ = ["WatchSettings"]
-
 
 @dataclass(frozen=True, kw_only=True)
 class WatchSettings:
@@ -101,8 +99,7 @@ class WatchSettings:
             message = f"false alarms per sensor and year are {self.false_alarms!r}; give a number above 0"
             raise UsageError(message)
         if not 50 <= self.learn <= 100_000:
-            message = f"a sensor learns from {self.learn!r} rows; give 50 to 100000"
-            raise UsageError(message)
+            raise UsageError(f"a sensor learns from {self.learn!r} rows; give 50 to 100000")
 
     @classmethod
     def listed(cls) -> list[tuple[str, Any, str, str]]:

@@ -4,15 +4,11 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from echocal.arrays import Column
 from echocal.errors import DataError, EchocalError, ModelError
 from echocal.model import Model
 from echocal.registry import Effect, Parameter, effects
-
-__all__ = ["DRIFT", "STEP", "Signature", "Signatures", "refuse_unwatchable", "step_and_drift", "unwatchable"]
-
-Column = NDArray[np.float64]
 
 STEP, DRIFT = "step_change", "drift"
 """Causes that need no column: the reading is off by a constant, or ever more, from the onset on."""
@@ -36,10 +32,7 @@ class Signature:
 def refuse_unwatchable(model: Model) -> None:
     """Refuse a model whose corrections depend on rows that have not come yet.
 
-    Raises
-    ------
-    DataError
-        With the quantity and the way out.
+    Raises `DataError` with the quantity and the way out.
     """
     if message := unwatchable(model):
         raise DataError(message)
@@ -59,12 +52,7 @@ def unwatchable(model: Model) -> str:
 class Signatures:
     """Signatures of all causes that a model and the recorded quantities allow.
 
-    Parameters
-    ----------
-    model : Model
-        The installed model.
-    recorded : collection of str
-        Influence quantities that the rows have.
+    `recorded` are the influence quantities that the rows have.
     """
 
     def __init__(self, model: Model, recorded: Collection[str]) -> None:

@@ -13,8 +13,6 @@ from echocal.observations.limits import LINE, too_long
 from echocal.watch.parser import Batch, Parser
 from echocal.watch.state import State
 
-__all__ = ["Files", "Lines", "Source"]
-
 _JSON = (".jsonl", ".ndjson")
 _TEXTS = (".csv", ".tsv", *_JSON)
 _BYTES = 1 << 20  # that are read at a time
@@ -36,12 +34,7 @@ class Source(Protocol):
 class Lines:
     """Lines of a stream, such as stdin.
 
-    Parameters
-    ----------
-    wait : float
-        Longest wait for the next line before an empty batch [s].
-    layout : Layout, optional
-        How its text is written.
+    `wait` is the longest wait for the next line before an empty batch [s].
     """
 
     def __init__(self, stream: IO[bytes], wait: float, layout: Layout | None = None) -> None:
@@ -76,27 +69,17 @@ class Lines:
 class Files:
     """A file that grows, or all files of a folder, which grow or are added; in the order of their names.
 
-    Parameters
-    ----------
-    state : State
-        Knows how far each was read.
-    poll : float
-        Wait between two looks [s].
-    once : bool
-        End with what there is now; without a file for the state a last line without an end is then whole.
-    layout : Layout, optional
-        How the text of the files is written.
+    `poll` is the wait between two looks [s]. With `once` it ends with what there is now; without a file for
+    the state a last line without an end is then whole.
     """
 
     def __init__(
         self, path: Path, state: State, poll: float, *, once: bool, layout: Layout | None = None
     ) -> None:
         if not path.exists():
-            message = f"{path} does not exist; to wait for files give their folder"
-            raise UsageError(message)
+            raise UsageError(f"{path} does not exist; to wait for files give their folder")
         if path.is_file() and path.suffix.lower() not in _TEXTS:
-            message = f"{path} cannot be watched; endings of growing files: {', '.join(_TEXTS)}"
-            raise UsageError(message)
+            raise UsageError(f"{path} cannot be watched; endings of growing files: {', '.join(_TEXTS)}")
         self.path, self.state, self.poll, self.once = path, state, poll, once
         self.layout = layout or Layout()
         self._whole = once and state.path is None
@@ -139,10 +122,9 @@ class Files:
         if self.path.is_file():
             return [self.path]
         found = (file for file in self.path.rglob("*") if file.suffix.lower() in _TEXTS and file.is_file())
-        return sorted(file for file in found if not any(part[0] in "._" for part in self._inside(file)))
-
-    def _inside(self, file: Path) -> tuple[str, ...]:
-        return file.relative_to(self.path).parts
+        return sorted(
+            file for file in found if not any(part[0] in "._" for part in file.relative_to(self.path).parts)
+        )
 
     def _news(self, file: Path) -> Iterator[Batch]:
         key = str(file.resolve())
@@ -150,11 +132,10 @@ class Files:
         try:
             size = file.stat().st_size
             if size < at["byte"]:
-                message = (
+                raise DataError(
                     f"{file} became shorter ({at['byte']} bytes were read, it has {size}): it was replaced "
                     "or cut; give new rows a new file"
                 )
-                raise DataError(message)
             if size == at["byte"]:
                 return
             parser = Parser(
@@ -178,8 +159,7 @@ class Files:
                         raise too_long(file, parser.line + 1)
                     asked *= 2 if stream.tell() - len(data) == at["byte"] else 1
         except OSError as error:
-            message = f"{file} cannot be read: {error.strerror or error}"
-            raise DataError(message) from None
+            raise DataError(f"{file} cannot be read: {error.strerror or error}") from None
         self._unfinished.pop(file, None)
         if at["byte"] < size:
             what = "ends within a line, which is read when it is whole"

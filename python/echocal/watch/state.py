@@ -13,8 +13,6 @@ from echocal.errors import DataError, UsageError
 from echocal.keywords import keyword
 from echocal.watch.rows import Row
 
-__all__ = ["State"]
-
 SCHEMA = "echocal.watch/5"
 
 _TABLES = {
@@ -50,8 +48,7 @@ class State:
                 ":memory:" if path is None else str(path), isolation_level=None, timeout=1.0
             )
         except sqlite3.DatabaseError as error:
-            message = f"{keyword('state', str(path))} cannot be used: {error}"
-            raise UsageError(message) from None
+            raise UsageError(f"{keyword('state', str(path))} cannot be used: {error}") from None
         try:
             if path is not None:
                 self._base.execute("pragma locking_mode = exclusive")
@@ -68,16 +65,12 @@ class State:
             if "decode" in str(error):
                 raise self._damaged(str(error)) from None
             busy = "another watch is using it" if "locked" in str(error) else str(error)
-            message = f"{keyword('state', str(path))} cannot be used: {busy}"
-            raise UsageError(message) from None
+            raise UsageError(f"{keyword('state', str(path))} cannot be used: {busy}") from None
 
     def check(self, facts: Mapping[str, Any]) -> None:
         """Refuse a state of another watch: of other settings its sums would mean something else.
 
-        Raises
-        ------
-        DataError
-            With both sides.
+        Raises `DataError` with both sides.
         """
         for name, value in {"schema": SCHEMA, **facts}.items():
             kept = self.fact(name)
@@ -85,11 +78,10 @@ class State:
                 self.set_fact(name, value)
             elif kept != json.loads(json.dumps(value)):
                 here = keyword("state", str(self.path))
-                message = (
+                raise DataError(
                     f"{here} was made with {name} = {kept!r}, this watch has {value!r}: "
                     f"give the same, or begin with another {keyword('state')}"
                 )
-                raise DataError(message)
 
     def fact(self, name: str) -> Any:
         """A fact by its name; None if there is none."""

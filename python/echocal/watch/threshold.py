@@ -4,14 +4,11 @@ import math
 from functools import cache
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.integrate import quad
 from scipy.optimize import brentq
 from scipy.special import ndtr, ndtri
 
-__all__ = ["cusum_delay", "cusum_run_length", "cusum_threshold", "false_alarm_rate", "slack", "threshold"]
-
-Column = NDArray[np.float64]
+from echocal.arrays import Column
 
 _NODES = 201  # values of the unknown scale
 
@@ -19,12 +16,8 @@ _NODES = 201  # values of the unknown scale
 def slack(ratios: Column, weights: Column, rows: float, probability: float) -> float:
     """Ratio of true noise over assumed noise that is not exceeded, with a probability (Eq. 54).
 
-    Parameters
-    ----------
-    ratios, weights : ndarray, shape (k,)
-        Standard deviation of slow sums, each possible noise over the assumed one; posterior weights.
-    rows : float
-        Rows that the scale was learned from.
+    `ratios`, shape (k,), are standard deviations of slow sums, each possible noise over the assumed one,
+    with posterior weights; the scale was learned from so many rows.
 
     Examples
     --------
@@ -63,12 +56,8 @@ def _field() -> float:
 def false_alarm_rate(height: float, directions: int) -> float:
     """False alarms per row at a threshold, the noise being known (docs/method/several-tables.md, Eq. 53).
 
-    Parameters
-    ----------
-    height : float
-        Threshold of the standardized sum, b; the log likelihood ratio is b^2/2.
-    directions : int
-        Signatures that are tested; their rates add up, which bounds the rate from above.
+    `height` is the threshold b of the standardized sum; the log likelihood ratio is b^2/2. The rates of the
+    signatures add up, which bounds the rate from above.
 
     Examples
     --------
@@ -86,40 +75,3 @@ def threshold(rate: float, directions: int) -> float:
         return math.log(false_alarm_rate(height, directions)) - math.log(rate)
 
     return float(brentq(excess, 1.0, 30.0)) if excess(1.0) > 0.0 else 1.0
-
-
-def cusum_run_length(shift: float, height: float, mean: float) -> float:
-    """Mean rows to an alarm of Page's cumulative sum for a known step (Siegmund 1985, chapter 2).
-
-    Parameters
-    ----------
-    shift : float
-        Step that it is made for, in standard deviations of white noise.
-    height : float
-        Threshold of the log likelihood ratio.
-    mean : float
-        True mean in standard deviations: 0 before, `shift` after the change.
-    """
-    drift = mean - 0.5 * shift
-    level = height / shift + 1.166
-    power = -2.0 * drift * level
-    if abs(power) < 1e-6:
-        return level * level
-    return (math.exp(power) - 1.0 - power) / (2.0 * drift * drift)
-
-
-def cusum_threshold(run_length: float, shift: float) -> float:
-    """Threshold of Page's cumulative sum with a mean number of rows between false alarms."""
-    return float(brentq(lambda h: math.log(cusum_run_length(shift, h, 0.0) / run_length), 1e-6, 200.0))
-
-
-def cusum_delay(run_length: float, shift: float) -> float:
-    """Least worst mean delay [rows] of any test with that run length (Moustakides 1986; Eq. 56).
-
-    Examples
-    --------
-    >>> from echocal.watch.threshold import cusum_delay
-    >>> round(cusum_delay(10_000.0, 1.0), 1)
-    15.0
-    """
-    return cusum_run_length(shift, cusum_threshold(run_length, shift), shift)

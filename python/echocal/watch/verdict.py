@@ -1,6 +1,7 @@
 """The diagnosis of the rows since a change."""
 
 import warnings
+from dataclasses import asdict
 from typing import Any
 
 import pandas as pd
@@ -11,8 +12,6 @@ from echocal.watch.clock import Waiting
 from echocal.watch.events import Event
 from echocal.watch.rows import Row
 from echocal.watch.sensor import Sensor
-
-__all__ = ["told"]
 
 
 def told(sensor: Sensor, rows: list[Row], last: Waiting, options: dict[str, Any]) -> Event | None:
@@ -53,15 +52,7 @@ def _event(sensor: Sensor, found: Diagnosis, since: str | float | None, last: Wa
             "kind": cause.kind,
             "probability": cause.probability,
             "indistinguishable_from": list(cause.indistinguishable_from),
-            "parameters": [
-                {
-                    "name": p.name,
-                    "value": p.value,
-                    "standard_uncertainty": p.standard_uncertainty,
-                    "unit": p.unit,
-                }
-                for p in cause.parameters
-            ],
+            "parameters": [asdict(p) for p in cause.parameters],
         }
         for cause in found.causes
     ]

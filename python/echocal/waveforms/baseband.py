@@ -15,8 +15,6 @@ from scipy.fft import fft, ifft, irfft, next_fast_len
 
 from echocal.waveforms.template import Template
 
-__all__ = ["Baseband", "Filter", "Plan", "reach_of"]
-
 Real = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
@@ -170,10 +168,7 @@ class Plan:
     def envelope(self, spectrum: Complex, filtered: Filter) -> "Baseband":
         """Return the complex envelope of filtered captures.
 
-        Parameters
-        ----------
-        spectrum : ndarray of complex, shape (n, B)
-            Bins of the band, of n captures.
+        The spectrum, shape (n, B), has the bins of the band.
         """
         bins = np.zeros((len(spectrum), self.length), complex)
         place = (np.arange(self.band.start, self.band.stop) - self.center) % self.length

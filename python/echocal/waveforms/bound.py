@@ -7,8 +7,6 @@ from scipy.special import ndtr
 
 from echocal.waveforms.captures import positive
 
-__all__ = ["cramer_rao_bound", "ziv_zakai_bound"]
-
 _PER_PERIOD, _POINTS, _NEAR = 40, 400, 1e-8
 """Points of the integral in each period of the carrier; below a tenth of it; where they begin, in periods."""
 

@@ -9,8 +9,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from echocal.errors import DataError, UsageError
 
-__all__ = ["Captures", "captures_of", "per_capture", "positive"]
-
 Floats = NDArray[np.float64]
 
 _AT_ONCE = 2**21
@@ -62,11 +60,9 @@ def captures_of(waveform: ArrayLike, sample_rate: float, start: float, stop: flo
         message = "waveform has captures of different lengths; pad them with the same number of samples"
         raise DataError(message) from None
     if samples.dtype.kind not in "fiu":
-        message = f"waveform has the type {samples.dtype}; give real numbers"
-        raise DataError(message)
+        raise DataError(f"waveform has the type {samples.dtype}; give real numbers")
     if samples.ndim == 0:
-        message = "waveform is one number; give samples, the last axis is the time"
-        raise DataError(message)
+        raise DataError("waveform is one number; give samples, the last axis is the time")
     count = samples.shape[-1]
     first, last = _window(sample_rate, start, stop, count)
     shape = samples.shape[:-1]
@@ -79,22 +75,19 @@ def _window(sample_rate: float, start: float, stop: float | None, count: int) ->
     end = length if stop is None else stop
     for name, value in (("start", start), ("stop", end)):
         if not isinstance(value, Real | np.number) or not np.isfinite(float(value)):
-            message = f"{name} is {value!r}; give a time [s]"
-            raise UsageError(message)
+            raise UsageError(f"{name} is {value!r}; give a time [s]")
     if not 0.0 <= start < end <= length * (1.0 + 1e-9):
-        message = (
+        raise UsageError(
             f"the window is {start:g} .. {end:g} s, and a capture 0 .. {length:g} s ({count} samples); "
             "give 0 <= start < stop <= its end"
         )
-        raise UsageError(message)
     return round(start * sample_rate), min(round(end * sample_rate), count)
 
 
 def positive(name: str, value: float, unit: str) -> float:
     """Return a number above 0. Raises `UsageError` if it is none."""
     if not isinstance(value, Real | np.number) or not 0.0 < float(value) < np.inf:
-        message = f"{name} is {value!r}; give a number above 0 [{unit}]"
-        raise UsageError(message)
+        raise UsageError(f"{name} is {value!r}; give a number above 0 [{unit}]")
     return float(value)
 
 
@@ -111,6 +104,5 @@ def per_capture(name: str, value: ArrayLike, shape: tuple[int, ...]) -> Floats:
         message = f"{name} has the shape {own}, the captures {shape}; give one number, or one per capture"
         raise UsageError(message) from None
     if not ((given > 0.0) & np.isfinite(given)).all():
-        message = f"{name} is {value!r}; give numbers above 0 [unit of the waveform]"
-        raise UsageError(message)
+        raise UsageError(f"{name} is {value!r}; give numbers above 0 [unit of the waveform]")
     return numbers

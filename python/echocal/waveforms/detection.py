@@ -9,8 +9,6 @@ from scipy.fft import rfft
 from echocal.waveforms.baseband import Baseband, Plan
 from echocal.waveforms.result import code
 
-__all__ = ["FALSE_ALARM", "Detection", "detect", "envelope_peak"]
-
 Real = NDArray[np.float64]
 
 FALSE_ALARM = 1e-3
@@ -47,12 +45,8 @@ class Detection:
 def detect(plan: Plan, captures: Real, noise: Real | None) -> Detection:
     """Find the strongest echo of each capture.
 
-    Parameters
-    ----------
-    captures : ndarray, shape (n, N)
-        Finite samples.
-    noise : ndarray, shape (n,), or None
-        Standard deviation of white noise; None estimates it before the echo.
+    The captures, shape (n, N), have finite samples; without the standard deviation of white noise, shape
+    (n,), it is estimated before the echo.
     """
     spectrum = rfft(captures, plan.count)[:, plan.band]
     matched, passed = plan.envelope(spectrum, plan.matched), plan.envelope(spectrum, plan.band_pass)

@@ -11,17 +11,6 @@ from scipy.special import erfc, ndtr
 from echocal.waveforms.baseband import Baseband, Plan
 from echocal.waveforms.detection import Detection, detect, envelope_peak
 
-__all__ = [
-    "ESTIMATORS",
-    "Estimate",
-    "Estimator",
-    "Request",
-    "envelope",
-    "matched_filter",
-    "phase",
-    "threshold",
-]
-
 FRACTION = 0.5
 """Part of the maximum at which the rise is timed: there the envelope of an echo is about steepest."""
 
@@ -71,22 +60,13 @@ class Request:
 
 @dataclass(frozen=True)
 class Estimate:
-    """Times of the echoes, from the start of the window.
+    """Times of the echoes, from the start of the window."""
 
-    Attributes
-    ----------
-    time, standard_uncertainty : ndarray, shape (n,)
-        [s]; the uncertainty for noise that is known.
-    cycle_ambiguity : ndarray
-        Probability that another cycle is the right one [1].
-    missing : ndarray of bool, or None
-        Where the method finds no echo although there is one.
-    """
-
+    # time, standard_uncertainty: [s]; the uncertainty for noise that is known; shape (n,)
     time: Real
     standard_uncertainty: Real
-    cycle_ambiguity: Real
-    missing: NDArray[np.bool_] | None = None
+    cycle_ambiguity: Real  # probability that another cycle is the right one [1]
+    missing: NDArray[np.bool_] | None = None  # where the method finds no echo although there is one
 
 
 Estimator: TypeAlias = Callable[[Request, Detection], Estimate]
@@ -96,12 +76,9 @@ Estimator: TypeAlias = Callable[[Request, Detection], Estimate]
 def weights_of(excess: Real, freedom: Real) -> Real:
     """Posterior weight of each cycle, which sum to 1 along the last axis.
 
-    Parameters
-    ----------
-    excess : ndarray, shape (n, K)
-        Sum of squared residuals above that of the best cycle, by the variance of the noise.
-    freedom : ndarray, shape (n,)
-        Degrees of freedom of that variance: with few, the likelihood is that of Student's t.
+    `excess`, shape (n, K), is the sum of squared residuals above that of the best cycle, by the variance of
+    the noise; `freedom` has the degrees of freedom of that variance: with few, the likelihood is that of
+    Student's t.
     """
     known = np.isinf(freedom)[:, None]
     many = np.where(known, 1.0, freedom[:, None])
@@ -232,7 +209,8 @@ class Rise:
 def envelope(request: Request, found: Detection) -> Estimate:
     """Time echoes by the analytic signal behind the band-pass, less the delay of the template's own rise."""
     rise = rise_of(request, found)
-    time = rise.time - _delay(request)
+    own = float(rise_of(request, request.reference).time[0])
+    time = rise.time - (own - request.reference_time)
     uncertainty = spread_of(request, found, rise)
     with np.errstate(invalid="ignore", divide="ignore"):
         ambiguity = erfc(0.5 * request.period / (np.sqrt(2.0) * uncertainty))
@@ -253,10 +231,6 @@ def spread_of(request: Request, found: Detection, rise: Rise) -> Real:
         return np.asarray(
             noise * np.sqrt(1.0 + FRACTION**2 - 2.0 * FRACTION * together) / np.maximum(rise.slope, 0.0)
         )
-
-
-def _delay(request: Request) -> float:
-    return float(rise_of(request, request.reference).time[0]) - request.reference_time
 
 
 def rise_of(request: Request, found: Detection) -> Rise:

@@ -15,8 +15,6 @@ from echocal.errors import DataError, UsageError
 from echocal.keywords import keyword
 from echocal.waveforms.captures import positive
 
-__all__ = ["SAMPLE_RATE_COLUMN", "columns_beside", "full_scale_of", "list_column", "read_waveforms"]
-
 SAMPLE_RATE_COLUMN = "sample_rate_Hz"
 """Column or metadata of a Parquet file that holds the sample rate [Hz]."""
 
@@ -73,15 +71,13 @@ def read_waveforms(
     given = None if sample_rate is None else positive("sample_rate", sample_rate, "Hz")
     waveform, stated = _reader(path)(path, column)
     if stated is not None and given is not None and abs(given - stated) > _TOLERANCE * stated:
-        message = (
+        raise UsageError(
             f"sample_rate is {given:g} Hz, and {path} says {stated:g} Hz: leave it out, or give the samples "
             "as an array if the file is wrong"
         )
-        raise UsageError(message)
     rate = given if stated is None else stated
     if rate is None:
-        message = f"{path} has no sample rate; give it: {keyword('sample_rate')} [Hz]"
-        raise UsageError(message)
+        raise UsageError(f"{path} has no sample rate; give it: {keyword('sample_rate')} [Hz]")
     return waveform, rate
 
 
@@ -91,11 +87,9 @@ def _reader(path: Path) -> Callable[[Path, str | None], Read]:
         with path.open("rb") as file:
             begin = file.read(12)
     except FileNotFoundError:
-        message = f"no file {path}"
-        raise DataError(message) from None
+        raise DataError(f"no file {path}") from None
     except (OSError, ValueError) as error:
-        message = f"{path} cannot be read: {getattr(error, 'strerror', None) or error}"
-        raise DataError(message) from None
+        raise DataError(f"{path} cannot be read: {getattr(error, 'strerror', None) or error}") from None
     if begin.startswith(b"\x93NUMPY"):
         return _npy
     if begin[:4] in (b"RIFF", b"RIFX", b"RF64") and begin[8:] == b"WAVE":
@@ -103,14 +97,12 @@ def _reader(path: Path) -> Callable[[Path, str | None], Read]:
     if begin.startswith(b"PAR1"):
         return _parquet
     what = "is empty" if not begin else "is neither .npy nor WAV nor Parquet"
-    message = f"{path} {what}; captures are read from these three"
-    raise DataError(message)
+    raise DataError(f"{path} {what}; captures are read from these three")
 
 
 def _refuse_column(path: Path, column: str | None) -> None:
     if column is not None:
-        message = f"{path} has no columns, and '{column}' is asked for; leave column out"
-        raise UsageError(message)
+        raise UsageError(f"{path} has no columns, and '{column}' is asked for; leave column out")
 
 
 def _npy(path: Path, column: str | None) -> Read:
@@ -118,19 +110,16 @@ def _npy(path: Path, column: str | None) -> Read:
     try:
         found = np.load(path, allow_pickle=False)
     except (OSError, ValueError, EOFError) as error:
-        message = f"{path} cannot be read: {error}"
-        raise DataError(message) from None
+        raise DataError(f"{path} cannot be read: {error}") from None
     except MemoryError:
         message = f"{path} has, by its header, more samples than fit into memory; split it, if that is right"
         raise DataError(message) from None
     if not found.size:
-        message = f"{path} holds an array of the shape {found.shape}; nothing to time"
-        raise DataError(message)
+        raise DataError(f"{path} holds an array of the shape {found.shape}; nothing to time")
     if found.dtype.kind not in "fiu" or found.ndim == 0:
-        message = (
+        raise DataError(
             f"{path} holds {found.dtype} of the shape {found.shape}; captures are arrays of real numbers"
         )
-        raise DataError(message)
     return found, None
 
 
@@ -145,8 +134,7 @@ def _wav(path: Path, column: str | None) -> Read:
         message = f"{path} begins like WAV and cannot be read: {str(error) or type(error).__name__}"
         raise DataError(message) from None
     if not samples.size or not rate > 0:
-        message = f"{path} has {len(samples)} samples at {rate} Hz; nothing to time"
-        raise DataError(message)
+        raise DataError(f"{path} has {len(samples)} samples at {rate} Hz; nothing to time")
     return np.ascontiguousarray(_of_full_scale(samples).T), float(rate)
 
 
@@ -200,8 +188,7 @@ def _readable(path: Path, pa: Any) -> Iterator[None]:
         yield
     except (OSError, pa.ArrowException) as error:
         reason = next(iter(str(error).splitlines()), type(error).__name__)
-        message = f"{path} begins like Parquet and cannot be read: {reason}"
-        raise DataError(message) from None
+        raise DataError(f"{path} begins like Parquet and cannot be read: {reason}") from None
 
 
 def _rate(path: Path, stated: list[Any]) -> float | None:
@@ -217,8 +204,7 @@ def _number(path: Path, rate: Any) -> float:
         return float(rate)
     except (TypeError, ValueError):
         told = rate.decode(errors="replace") if isinstance(rate, bytes) else rate
-        message = f"{path}: {SAMPLE_RATE_COLUMN} is {told!r}, which is no number"
-        raise DataError(message) from None
+        raise DataError(f"{path}: {SAMPLE_RATE_COLUMN} is {told!r}, which is no number") from None
 
 
 def list_column(path: Path, schema: Any, column: str | None) -> str:
@@ -232,17 +218,14 @@ def list_column(path: Path, schema: Any, column: str | None) -> str:
         if column in candidates:
             return column
         lists = f"there are {', '.join(candidates)}" if candidates else "there is none"
-        message = f"{path} has no column '{column}' of lists of numbers; {lists}"
-        raise UsageError(message)
+        raise UsageError(f"{path} has no column '{column}' of lists of numbers; {lists}")
     if not candidates:
-        message = f"{path} has no column of lists of numbers; its columns: {', '.join(schema.names)}"
-        raise DataError(message)
+        raise DataError(f"{path} has no column of lists of numbers; its columns: {', '.join(schema.names)}")
     if len(candidates) > 1:
-        message = (
+        raise UsageError(
             f"{path} has several columns of lists of numbers: {', '.join(candidates)}; "
             f"choose one: {keyword('column')}"
         )
-        raise UsageError(message)
     return str(candidates[0])
 
 
@@ -257,16 +240,14 @@ def _rows(path: Path, name: str, column: Any, pa: Any) -> NDArray[Any]:
     lengths = pa.compute.list_value_length(column).to_numpy()
     known = np.flatnonzero(np.isfinite(lengths))
     if not len(known) or not lengths[known[0]]:
-        message = f"{path}: column '{name}' has {len(lengths)} rows and no sample"
-        raise DataError(message)
+        raise DataError(f"{path}: column '{name}' has {len(lengths)} rows and no sample")
     count = int(lengths[known[0]])
     other = known[lengths[known] != count]
     if len(other):
-        message = (
+        raise DataError(
             f"{path}: column '{name}' has {count} samples in row {known[0] + 1} and "
             f"{int(lengths[other[0]])} in row {other[0] + 1}; captures need one length: pad or cut them"
         )
-        raise DataError(message)
     values = pa.compute.list_flatten(column).to_numpy()
     if len(known) == len(lengths):
         return np.asarray(values).reshape(len(lengths), count)
@@ -282,5 +263,4 @@ def _arrow() -> Any:
             import_module(f"pyarrow.{part}")
         return import_module("pyarrow")
     except ImportError:
-        message = "Parquet needs pyarrow: pip install 'echocal[batch]'"
-        raise UsageError(message) from None
+        raise UsageError("Parquet needs pyarrow: pip install 'echocal[batch]'") from None

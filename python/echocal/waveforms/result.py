@@ -8,8 +8,6 @@ from numpy.typing import NDArray
 
 from echocal.shown import Shown
 
-__all__ = ["ECHO_STATUSES", "EchoTimes", "code"]
-
 Floats = NDArray[np.float64]
 
 ECHO_STATUSES: tuple[str, ...] = (

@@ -9,8 +9,6 @@ from scipy.signal import hilbert, residue
 
 from echocal.errors import UsageError
 
-__all__ = ["CARRIER", "CYCLES", "QUALITY_FACTOR", "Template", "model_burst", "template_of"]
-
 CARRIER = 40e3
 """Center frequency of the transducers of an HC-SR04 [Hz]; its data sheet says 40 kHz."""
 
@@ -129,16 +127,8 @@ def _driven(phase: NDArray[np.float64], quality_factor: float) -> NDArray[np.flo
 def template_of(given: ArrayLike | None, sample_rate: float, carrier: float, count: int) -> Template:
     """Return the given template, or the model burst.
 
-    Raises `UsageError` if the template is no echo, or longer than a capture.
-
-    Parameters
-    ----------
-    given : array_like, shape (L,), or None
-        Samples at the sample rate of the waveform.
-    sample_rate, carrier : float
-        [Hz].
-    count : int
-        Samples of a capture.
+    Raises `UsageError` if the template is no echo, or longer than a capture. It has the sample rate of the
+    waveform [Hz], and `count` samples are those of a capture.
     """
     if given is None:  # its length is known before it is computed: at a wrong rate it would fill the memory
         way = "give longer captures, or template= with a shorter echo"
@@ -151,10 +141,9 @@ def template_of(given: ArrayLike | None, sample_rate: float, carrier: float, cou
 
 def _refuse_length(name: str, length: int, count: int, way: str) -> None:
     if length >= count:
-        message = (
+        raise UsageError(
             f"{name} has {length} samples, and a capture (from start to stop) only {count}: too short; {way}"
         )
-        raise UsageError(message)
 
 
 def _checked(given: ArrayLike) -> NDArray[np.float64]:
@@ -164,18 +153,14 @@ def _checked(given: ArrayLike) -> NDArray[np.float64]:
         values = np.asarray(None)
     if values.dtype.kind not in "fiu":
         told = repr(given) if isinstance(given, str) else f"of the type {values.dtype}"
-        message = f'template is {told}; give samples, "mean" or None'
-        raise UsageError(message)
+        raise UsageError(f'template is {told}; give samples, "mean" or None')
     samples = values.astype(np.float64)
     if samples.ndim != 1 or len(samples) < 4:
-        message = f"template has the shape {samples.shape}; give one echo of at least 4 samples"
-        raise UsageError(message)
+        raise UsageError(f"template has the shape {samples.shape}; give one echo of at least 4 samples")
     if not np.isfinite(samples).all():
-        message = (
+        raise UsageError(
             f"template has {int((~np.isfinite(samples)).sum())} samples that are not finite; give numbers"
         )
-        raise UsageError(message)
     if np.sum((samples - samples.mean()) ** 2) <= _SILENT * np.sum(samples**2) or not samples.any():
-        message = "template is constant; give an echo"
-        raise UsageError(message)
+        raise UsageError("template is constant; give an echo")
     return samples

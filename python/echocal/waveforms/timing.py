@@ -17,8 +17,6 @@ from echocal.waveforms.estimators import ESTIMATORS, Request, matched_filter
 from echocal.waveforms.result import EchoTimes, code
 from echocal.waveforms.template import CARRIER, Template, template_of
 
-__all__ = ["averaged", "echo_times"]
-
 _LEAST = 10
 """Captures with an echo that a mean needs: of n, the template has 1/n of their noise."""
 
@@ -119,8 +117,7 @@ def echo_times(
     array(['', 'not_finite'], dtype='<U15')
     """
     if not isinstance(method, str) or method not in ESTIMATORS:
-        message = f"method is {method!r}; there are {', '.join(ESTIMATORS)}"
-        raise UsageError(message)
+        raise UsageError(f"method is {method!r}; there are {', '.join(ESTIMATORS)}")
     sample_rate, carrier = positive("sample_rate", sample_rate, "Hz"), positive("carrier", carrier, "Hz")
     width = _BAND_PASS * carrier if bandwidth is None else positive("bandwidth", bandwidth, "Hz")
     _refuse_band(sample_rate, carrier, width)
@@ -142,26 +139,23 @@ def echo_times(
 def _refuse_band(sample_rate: float, carrier: float, bandwidth: float) -> None:
     least = 2.0 * (carrier + bandwidth)
     if sample_rate < least:
-        message = (
+        raise UsageError(
             f"sample_rate is {sample_rate:g} Hz, too low for a carrier of {carrier:g} Hz: it must be at "
             f"least twice (Nyquist) the carrier plus the bandwidth of {bandwidth:g} Hz, {least:g} Hz"
         )
-        raise UsageError(message)
     if bandwidth > carrier:
-        message = f"bandwidth is {bandwidth:g} Hz; give at most the carrier, {carrier:g} Hz"
-        raise UsageError(message)
+        raise UsageError(f"bandwidth is {bandwidth:g} Hz; give at most the carrier, {carrier:g} Hz")
 
 
 def _refuse_narrow(captures: Captures, bandwidth: float) -> None:
     """Refuse a band-pass that answers for longer than a capture lasts."""
     duration = captures.count / captures.sample_rate
     if 2.0 * reach_of(bandwidth) > duration:
-        message = (
+        raise UsageError(
             f"bandwidth is {bandwidth:g} Hz: such a band-pass answers for {2.0 * reach_of(bandwidth):g} s, "
             f"and a capture (from start to stop) lasts {duration:g} s; give at least "
             f"{2.0 * reach_of(1.0) / duration:.3g} Hz, or longer captures"
         )
-        raise UsageError(message)
 
 
 def _template(
@@ -245,10 +239,9 @@ def _aligned(captures: Captures, plan: Plan) -> Template:
         norm += float(weights @ strength)
         count += int(good.sum())
     if count < _LEAST:
-        message = (
+        raise UsageError(
             f'template is "mean", and {count} captures have an echo before which there is enough noise; '
             f"give at least {_LEAST}, or an echo as template"
         )
-        raise UsageError(message)
     mean = irfft(total / norm, plan.count)[: len(plan.template.samples)]
     return Template(mean * np.linalg.norm(plan.template.samples) / np.linalg.norm(mean), plan.sample_rate)

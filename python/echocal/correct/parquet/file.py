@@ -1,12 +1,14 @@
 """Correct one Parquet file: its columns are copied byte by byte, and the results are appended."""
 
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import pandas as pd
 
+from echocal.correct.columns import with_time
 from echocal.correct.corrector import Context, Corrector, Tally
 from echocal.correct.job import Job
 from echocal.correct.logs import surroundings
@@ -20,23 +22,10 @@ from echocal.model.folder import label
 from echocal.observations.arrow import arrow, to_pandas
 from echocal.outputs import opened_output
 
-__all__ = [
-    "FIXED",
-    "Opened",
-    "arrow_file",
-    "check_whole",
-    "correct_parquet",
-    "keys_of",
-    "names_of",
-    "opened_file",
-    "read_pieces",
-    "read_tables",
-    "surroundings_of",
-    "tally_of",
-]
-
 _CODECS = {"UNCOMPRESSED": "NONE", "LZ4_RAW": "LZ4"}
 """Names for writing, where files call them differently."""
+
+Made = TypeVar("Made")
 
 FIXED = 220 << 20
 """Bytes that Python and the libraries take before the first row; measured."""
@@ -46,7 +35,6 @@ _BYTES_A_ROW = 500
 
 _PIECE = (4096, 1 << 18)
 """Least and largest number of rows that are corrected together."""
-_INDEX = "__index_level_0__"
 
 
 @dataclass(frozen=True)
@@ -85,75 +73,99 @@ def pieces_of(footer: f.Footer, most: int) -> list[Piece]:
     return pieces
 
 
-def names_of(file: Any) -> list[str]:
-    """Names of the columns, as echocal reads them: an index of times that has no name is ``time``."""
-    pa = arrow()
-    schema = file.schema_arrow
-    names = [name.strip() for name in schema.names]
-    if _INDEX in names and "time" not in names and pa.types.is_timestamp(schema.field(_INDEX).type):
-        names[names.index(_INDEX)] = "time"
-    return names
+class Parquet:
+    """A Parquet file that is corrected, in pieces that are small enough for the memory.
 
-
-def read_pieces(
-    path: Path, file: Any, pieces: Sequence[Piece], columns: Sequence[str]
-) -> Iterator[pd.DataFrame]:
-    """Read some columns of each piece. Raises `DataError` if the file is damaged."""
-    stored = dict(zip(names_of(file), file.schema_arrow.names, strict=True))
-    wanted = [stored[name] for name in columns]
-    for piece, table in zip(pieces, read_tables(path, file, pieces, wanted), strict=True):
-        if not columns:
-            yield pd.DataFrame(index=range(piece.rows))
-            continue
-        table = table.select(wanted).rename_columns(list(columns)).replace_schema_metadata(None)
-        yield to_pandas(table)
-
-
-def read_tables(
-    path: Path, file: Any, pieces: Sequence[Piece], columns: Sequence[str] | None
-) -> Iterator[Any]:
-    """Read some columns of each piece, or all, as Arrow has them.
-
-    Raises `DataError` if the file is damaged.
+    Raises `DataError` if it is damaged. With `whole`, all columns of a piece are held at a time.
     """
-    pa = arrow()
-    wanted = None if columns is None else list(columns)
-    parts: Iterator[Any] = iter(())
+
+    def __init__(self, path: Path, job: Job, *, whole: bool = False) -> None:
+        self.path, self.job = path, job
+        with path.open("rb") as raw:
+            self.footer = f.read_footer(raw, str(path), job.memory - FIXED)
+        with _readable(path):
+            self.file = arrow_file(path)
+        width = 1 + len(f.fields_of(self.footer)) // 4 if whole else 1
+        least, largest = _PIECE
+        most = (job.memory - FIXED) // (_BYTES_A_ROW * width * (job.threads + 2))
+        self.pieces = pieces_of(self.footer, min(max(most, least), largest))
+        schema = self.file.schema_arrow
+        self.names = with_time([name.strip() for name in schema.names], schema)
+
+    def read(self, columns: Sequence[str]) -> Iterator[pd.DataFrame]:
+        """Some columns of each piece."""
+        stored = dict(zip(self.names, self.file.schema_arrow.names, strict=True))
+        wanted = [stored[name] for name in columns]
+        for piece, table in zip(self.pieces, self.tables(self.file, wanted), strict=True):
+            if not columns:
+                yield pd.DataFrame(index=range(piece.rows))
+                continue
+            table = table.select(wanted).rename_columns(list(columns)).replace_schema_metadata(None)
+            yield to_pandas(table)
+
+    def tables(self, file: Any, columns: list[str] | None) -> Iterator[Any]:
+        """Some columns of each piece, or all, as Arrow has them; `file` is this one, open for reading."""
+        parts: Iterator[Any] = iter(())
+        with _readable(self.path):
+            for piece, before in zip(self.pieces, [None, *self.pieces], strict=False):
+                groups = list(piece.groups)
+                if piece.whole:
+                    table = file.read_row_groups(groups, columns=columns)
+                else:
+                    if before is None or before.whole or before.groups != piece.groups:
+                        parts = file.iter_batches(piece.rows, row_groups=groups, columns=columns)
+                    table = _next(parts, piece.rows)
+                yield table
+
+    @contextmanager
+    def corrected(
+        self, key: str | None, log: Sequence[Path], then: Callable[[Rows, int], Made]
+    ) -> Iterator[tuple[Tally, Iterator[Made]]]:
+        """Give the counts, and what is made of each piece; the file is closed at the end.
+
+        Raises `DataError` at the end if a column, taken as a whole, has no value or is in another unit.
+        """
+        with self.file as file:
+            corrector = Corrector(self.names, self.job, key)
+            if corrector.by:
+                keys: dict[str, None] = {}
+                for table in self.read([corrector.by]):
+                    keys |= dict.fromkeys(label(value) for value in table[corrector.by].unique().tolist())
+                corrector.prepare(keys)
+
+            def read(path: Path) -> Iterator[pd.DataFrame]:
+                other = Parquet(path, self.job)
+                with other.file:
+                    yield from other.read(corrector.columns)
+
+            around = surroundings(self.path, log, corrector, read, self.job.memory)
+            tally = Tally(columns=self.names, types=[str(own.type) for own in file.schema_arrow])
+            tables = self.read(corrector.columns)
+            yield tally, corrected(tables, corrector, tally, then, **around, threads=self.job.threads)
+            if tally.doubtful(self.job):
+                whole = pd.concat(list(self.read(corrector.columns)), ignore_index=True)
+                corrector.correct(whole, Context(), (0, len(whole)), whole=True)
+        arrow().default_memory_pool().release_unused()
+
+
+@contextmanager
+def _readable(path: Path) -> Iterator[None]:
     try:
-        for piece, before in zip(pieces, [None, *pieces], strict=False):
-            if piece.whole:
-                table = file.read_row_groups(list(piece.groups), columns=wanted)
-            else:
-                if before is None or before.whole or before.groups != piece.groups:
-                    parts = file.iter_batches(
-                        batch_size=piece.rows, row_groups=list(piece.groups), columns=wanted
-                    )
-                table = _next(parts, piece.rows, pa)
-            yield table
-    except (OSError, pa.ArrowException) as error:
+        yield
+    except (OSError, arrow().ArrowException) as error:
         reason = next(iter(str(error).splitlines()), type(error).__name__)
-        message = f"{path} begins like Parquet and cannot be read: {reason}"
-        raise DataError(message) from None
+        raise DataError(f"{path} begins like Parquet and cannot be read: {reason}") from None
 
 
-def _next(parts: Iterator[Any], rows: int, pa: Any) -> Any:
+def _next(parts: Iterator[Any], rows: int) -> Any:
     """So many rows of batches."""
+    pa = arrow()
     batches: list[Any] = []
     while sum(len(batch) for batch in batches) < rows:
         batches.append(next(parts))
     if sum(len(batch) for batch in batches) != rows:
         raise pa.ArrowInvalid("batches of another size than was asked for")
     return pa.Table.from_batches(batches)
-
-
-@dataclass(frozen=True)
-class Opened:
-    """A Parquet file that is open for reading."""
-
-    path: Path
-    file: Any
-    footer: f.Footer
-    pieces: list[Piece]
 
 
 def correct_parquet(
@@ -166,48 +178,26 @@ def correct_parquet(
 ) -> Tally:
     """Correct a Parquet file into a new one.
 
-    Raises `DataError` if the file cannot be read, or a model needs what it does not have; `out` is incomplete
-    then.
-
-    Parameters
-    ----------
-    key : str or None
-        Key of all rows; None: each row has its own.
-    log : sequence of Path
-        Files of the log that the file belongs to, in the order of time.
-    progress : callable
-        Told the rows of each row group that is done.
+    Raises `DataError` if the file cannot be read, or a model needs what it does not have; `out` is
+    incomplete then. `key` is that of all rows; None: each row has its own. `log` has the files of the log
+    that the file belongs to, and `progress` is told the rows of each row group that is done.
     """
-    pa = arrow()
-    with source.open("rb") as raw:
-        footer = f.read_footer(raw, str(source), job.memory - FIXED)
-        opened = opened_file(source, footer, job)
-        with opened.file:
-            corrector = Corrector(names_of(opened.file), job, key)
-            if corrector.by:
-                corrector.prepare(keys_of(opened, corrector.by))
-            around = surroundings_of(opened, corrector, job, log)
-            tally = tally_of(opened)
-            codec = _codec(footer)
+    read = Parquet(source, job)
+    footer, codec = read.footer, _codec(read.footer)
 
-            def encoded(rows: Rows, place: int) -> list[Encoded]:
-                piece = opened.pieces[place]
-                return encode(rows, piece.sizes, codec, whole=piece.whole)
+    def encoded(rows: Rows, place: int) -> list[Encoded]:
+        piece = read.pieces[place]
+        return encode(rows, piece.sizes, codec, whole=piece.whole)
 
-            tables = read_pieces(source, opened.file, opened.pieces, corrector.columns)
-            made = corrected(tables, corrector, tally, encoded, **around, threads=job.threads)
-            with opened_output(out) as target:
-                splice = Splice(raw, footer, target, _kept(footer, job, corrector), job.reading.first)
-                groups = footer.row_groups
-                for place, results in enumerate(_groups(made, opened.pieces, footer)):
-                    splice.add(groups[place], results)
-                    progress(results.rows)
-                metadata = {name.encode(): text.encode() for name, text in job.metadata.items()}
-                splice.finish(metadata)
-            _check_written(out, footer, source)
-            if tally.doubtful(job):
-                check_whole(opened, corrector)
-    pa.default_memory_pool().release_unused()
+    with source.open("rb") as raw, read.corrected(key, log, encoded) as (tally, made):
+        with opened_output(out) as target:
+            splice = Splice(raw, footer, target, _kept(footer, job), job.reading.first)
+            groups = footer.row_groups
+            for place, results in enumerate(_groups(made, read.pieces, footer)):
+                splice.add(groups[place], results)
+                progress(results.rows)
+            splice.finish({name.encode(): text.encode() for name, text in job.metadata.items()})
+        _check_written(out, footer, source)
     return tally
 
 
@@ -219,22 +209,7 @@ def _check_written(out: Path, footer: f.Footer, source: Path) -> None:
     except (OSError, pa.ArrowException) as error:
         rows = next(iter(str(error).split("\n")), type(error).__name__)
     if rows != footer.rows:
-        message = f"{source} is damaged: its footer cannot be written again ({rows})"
-        raise DataError(message)
-
-
-def opened_file(path: Path, footer: f.Footer, job: Job, width: int = 1) -> Opened:
-    """Open a file; its pieces are small enough for the memory, where a row takes `width` times as much."""
-    pa = arrow()
-    least, largest = _PIECE
-    most = (job.memory - FIXED) // (_BYTES_A_ROW * width * (job.threads + 2))
-    try:
-        file = arrow_file(path)
-    except (OSError, pa.ArrowException) as error:
-        reason = next(iter(str(error).splitlines()), type(error).__name__)
-        message = f"{path} begins like Parquet and cannot be read: {reason}"
-        raise DataError(message) from None
-    return Opened(path, file, footer, pieces_of(footer, min(max(most, least), largest)))
+        raise DataError(f"{source} is damaged: its footer cannot be written again ({rows})")
 
 
 def arrow_file(path: Path) -> Any:
@@ -253,45 +228,6 @@ def _name(path: Path) -> Any:
     return str(path)
 
 
-def tally_of(opened: Opened) -> Tally:
-    """A tally of no rows yet, with the columns of a file."""
-    types = [str(own.type) for own in opened.file.schema_arrow]
-    return Tally(columns=names_of(opened.file), types=types)
-
-
-def keys_of(opened: Opened, by: str) -> list[str]:
-    """All keys of a file."""
-    keys: dict[str, None] = {}
-    for table in read_pieces(opened.path, opened.file, opened.pieces, [by]):
-        keys |= dict.fromkeys(label(value) for value in table[by].unique().tolist())
-    return list(keys)
-
-
-def surroundings_of(opened: Opened, corrector: Corrector, job: Job, log: Sequence[Path]) -> dict[str, Any]:
-    """What the rows depend on, besides themselves."""
-    if not corrector.remembers and (len(log) < 2 or not corrector.rows_around):
-        return {"context": Context()}
-    files = list(log) or [opened.path]
-
-    def read(path: Path) -> pd.DataFrame:
-        with path.open("rb") as raw:
-            footer = f.read_footer(raw, str(path), job.memory - FIXED)
-        other = opened_file(path, footer, job)
-        with other.file:
-            tables = list(read_pieces(path, other.file, other.pieces, corrector.columns))
-        return pd.concat(tables, ignore_index=True) if tables else pd.DataFrame(columns=corrector.columns)
-
-    found = surroundings(files, files.index(opened.path), corrector, read, job.memory)
-    return {"context": found.context, "before": found.before, "after": found.after}
-
-
-def check_whole(opened: Opened, corrector: Corrector) -> None:
-    """Refuse a file whose columns, taken as a whole, have no value or are in another unit."""
-    tables = list(read_pieces(opened.path, opened.file, opened.pieces, corrector.columns))
-    whole = pd.concat(tables, ignore_index=True)
-    corrector.correct(whole, Context(), (0, len(whole)), whole=True)
-
-
 def _codec(footer: f.Footer) -> str:
     """Compression of the first column, as pyarrow names it for writing."""
     names = ("UNCOMPRESSED", "SNAPPY", "GZIP", "LZO", "BROTLI", "LZ4", "ZSTD", "LZ4_RAW")
@@ -302,7 +238,7 @@ def _codec(footer: f.Footer) -> str:
     return "SNAPPY"
 
 
-def _kept(footer: f.Footer, job: Job, corrector: Corrector) -> list[f.Field]:
+def _kept(footer: f.Footer, job: Job) -> list[f.Field]:
     """Columns to copy."""
     fields = f.fields_of(footer)
     if job.append_only is None:

@@ -13,8 +13,6 @@ from echocal.correct.parquet.thrift import BINARY, I32, I64, INTEGERS, LIST, STR
 from echocal.errors import DataError
 from echocal.keywords import keyword
 
-__all__ = ["PAGES", "Field", "Footer", "check", "chunk_range", "fields_of", "read_footer"]
-
 MAGIC = b"PAR1"
 _ENCRYPTED = b"PARE"
 _END = 8  # bytes: length of the footer, and the magic
@@ -96,36 +94,31 @@ def read_footer(file: BinaryIO, name: str, memory: int | None = None) -> Footer:
     file.seek(max(size - _END, 0))
     end = file.read(_END)
     if end[4:] == _ENCRYPTED:
-        message = f"{name} is encrypted Parquet; decrypt it first"
-        raise DataError(message)
+        raise DataError(f"{name} is encrypted Parquet; decrypt it first")
     length = int.from_bytes(end[:4], "little")
     if end[4:] != MAGIC or length + _END + len(MAGIC) > size:
-        message = f"{name} begins like Parquet and has no footer: it is truncated or damaged"
-        raise DataError(message)
+        raise DataError(f"{name} begins like Parquet and has no footer: it is truncated or damaged")
     longest, most = _LONGEST, thrift.MOST
     if memory is not None:
         longest = min(max(memory // _COPIES, _LEAST << 5), _LONGEST)
         most = min(max(memory // thrift.BYTES, _LEAST), thrift.MOST)
     if length > longest:
-        message = (
+        raise DataError(
             f"{name} has a footer of {length:,} bytes, and {longest:,} are the most: it is damaged, or needs "
             f"a larger {keyword('memory')}, or larger row groups"
         )
-        raise DataError(message)
     begins = size - _END - length
     file.seek(begins)
     try:
-        struct, _ = thrift.read(file.read(length), 0, most)
+        struct = thrift.read(file.read(length), most)
         check(struct, FILE)
         footer = Footer(struct, begins)
         fields = fields_of(footer)
     except (IndexError, ValueError) as error:
-        message = f"{name} begins like Parquet and its footer cannot be read: {error}"
-        raise DataError(message) from None
+        raise DataError(f"{name} begins like Parquet and its footer cannot be read: {error}") from None
     damage = _damage(footer, fields)
     if damage:
-        message = f"{name} is damaged: {damage}"
-        raise DataError(message)
+        raise DataError(f"{name} is damaged: {damage}")
     _refuse_elsewhere(footer, name)
     return footer
 
@@ -301,8 +294,7 @@ def check(struct: Struct, wanted: _Kind) -> None:
 def _check(kind: int, value: Any, wanted: _Kind, name: str) -> None:
     if isinstance(wanted, range):
         if kind not in INTEGERS or value not in wanted:
-            message = f"its {name} is {value if kind in INTEGERS else 'no integer'}"
-            raise ValueError(message)
+            raise ValueError(f"its {name} is {value if kind in INTEGERS else 'no integer'}")
     elif isinstance(wanted, list):
         _expect(kind == LIST, name, "list")
         element, values = value
@@ -315,8 +307,7 @@ def _check(kind: int, value: Any, wanted: _Kind, name: str) -> None:
                 own, held = value[number]
                 _check(own, held, field.of, field.name)
             elif field.needed:
-                message = f"it lacks a {field.name}"
-                raise ValueError(message)
+                raise ValueError(f"it lacks a {field.name}")
     else:
         _expect(kind == BINARY, name, "text")
         if wanted is str:
@@ -325,5 +316,4 @@ def _check(kind: int, value: Any, wanted: _Kind, name: str) -> None:
 
 def _expect(holds: bool, name: str, kind: str) -> None:
     if not holds:
-        message = f"its {name} is no {kind}"
-        raise ValueError(message)
+        raise ValueError(f"its {name} is no {kind}")

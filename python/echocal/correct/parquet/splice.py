@@ -16,11 +16,9 @@ from echocal.correct.parquet import thrift
 from echocal.correct.parquet.footer import PAGES, check
 from echocal.correct.parquet.thrift import STRUCT, Struct
 from echocal.correct.results import DISTANCE, LEVEL, RESULTS, STATUS, UNCERTAINTY, UNUSABLE, results
-from echocal.correct.rows import Rows
+from echocal.correct.rows import Rows, no_distance
 from echocal.errors import DataError
 from echocal.observations.arrow import arrow
-
-__all__ = ["Encoded", "Splice", "columns_of", "encode", "result_fields"]
 
 _PART = 1 << 22  # bytes that are copied at a time
 _STORED = b"ARROW:schema"
@@ -51,22 +49,15 @@ def result_fields(first: str) -> list[Any]:
 
 def result_elements(first: str) -> list[Struct]:
     """Elements of the results in the schema of a file."""
-    nothing = Rows(np.zeros(0), np.zeros(0, np.float32), np.zeros(0, np.int16), ("",), (False,), (), first)
-    footer, _ = _written(columns_of(nothing), [0], "NONE", whole=True)
+    footer, _ = _written(columns_of(no_distance(0, first=first)), [0], "NONE", whole=True)
     return list(footer.struct[f.SCHEMA][1][1][1:])
 
 
 def encode(rows: Rows, sizes: Sequence[int], codec: str, *, whole: bool) -> list[Encoded]:
     """Encode results, for each of so many rows on its own.
 
-    Parameters
-    ----------
-    sizes : sequence of int
-        Rows of each row group.
-    codec : str
-        Compression, as pyarrow names it.
-    whole : bool
-        Whether these are whole row groups. Parts of one have no dictionary, so that they can be joined.
+    `sizes` are the rows of each row group, and `whole` tells whether these are whole ones. Parts of one have
+    no dictionary, so that they can be joined.
     """
     constant = _constants(rows)
     columns = {name: own for name, own in columns_of(rows).items() if name not in constant}
@@ -91,10 +82,7 @@ def _of_constant(
 ) -> dict[str, tuple[Struct, bytes]]:
     if not names:
         return {}
-    nothing = Rows(
-        np.zeros(size), np.full(size, np.nan, np.float32), np.zeros(size, np.int16), ("",), (False,), ()
-    )
-    columns = {name: own for name, own in columns_of(nothing).items() if name in names}
+    columns = {name: own for name, own in columns_of(no_distance(size)).items() if name in names}
     return _encoded(columns, [size], codec, whole=whole)[0]
 
 
@@ -170,18 +158,7 @@ def _joined(one: tuple[Struct, bytes], two: tuple[Struct, bytes]) -> tuple[Struc
 class Splice:
     """Writes a file with the columns of another one, and results.
 
-    Parameters
-    ----------
-    source : file
-        The other file, open for reading.
-    footer : Footer
-        Its footer.
-    out : file
-        The new file, open for writing.
-    kept : sequence of Field
-        Columns of the source to copy.
-    first : str
-        Name of the first result.
+    `kept` are the columns of the source to copy, and `first` is the name of the first result.
     """
 
     def __init__(
@@ -244,8 +221,7 @@ class Splice:
         while count:
             data = self._source.read(min(count, _PART))
             if not data:
-                message = f"{self._source.name} became shorter while it was read"
-                raise DataError(message)
+                raise DataError(f"{self._source.name} became shorter while it was read")
             self._at += self._out.write(data)
             count -= len(data)
 
@@ -275,7 +251,7 @@ class Splice:
         data = self._source.read(old[place + 1][1])
         if shift:  # pages are found by their place in the file
             try:
-                index, _ = thrift.read(data)
+                index = thrift.read(data)
                 check(index, PAGES)
             except ValueError as error:
                 message = f"{self._source.name} is damaged: an index of pages cannot be read: {error}"

@@ -9,8 +9,6 @@ from typing import Any, TypeAlias
 
 from echocal.keywords import keyword
 
-__all__ = ["BINARY", "BYTES", "I32", "I64", "INTEGERS", "LIST", "MOST", "STRUCT", "Struct", "read", "write"]
-
 TRUE, FALSE, BYTE, I16, I32, I64, DOUBLE, BINARY, LIST, SET, MAP, STRUCT = range(1, 13)
 INTEGERS = (I16, I32, I64)
 
@@ -29,17 +27,15 @@ Struct: TypeAlias = dict[int, tuple[int, Value]]
 """Kind and value by the number of the field, in the order of writing."""
 
 
-def read(data: bytes | memoryview, at: int = 0, most: int = MOST) -> tuple[Struct, int]:
-    """Read a structure of so many fields and elements at most; return it, and the place after it.
+def read(data: bytes, most: int = MOST) -> Struct:
+    """Read a structure of so many fields and elements at most.
 
     Raises `ValueError` if the bytes are no such structure.
     """
-    reader = _Reader(data, at, most)
     try:
-        return reader.struct(), reader.at
+        return _Reader(data, most).struct()
     except (IndexError, OverflowError, RecursionError) as error:
-        message = f"no structure of Thrift: {error}"
-        raise ValueError(message) from None
+        raise ValueError(f"no structure of Thrift: {error}") from None
 
 
 def write(struct: Struct) -> bytes:
@@ -50,8 +46,8 @@ def write(struct: Struct) -> bytes:
 
 
 class _Reader:
-    def __init__(self, data: bytes | memoryview, at: int, most: int) -> None:
-        self.data, self.at = data, at
+    def __init__(self, data: bytes, most: int) -> None:
+        self.data, self.at = data, 0
         self._most = self._left = most
 
     def struct(self) -> Struct:
@@ -65,8 +61,7 @@ class _Reader:
             kind, delta = head & 0x0F, head >> 4
             field = field + delta if delta else self._zigzag()
             if field in found or len(found) > _WIDEST:
-                message = f"field {field} twice" if field in found else f"more than {_WIDEST} fields"
-                raise ValueError(message)
+                raise ValueError(f"field {field} twice" if field in found else f"more than {_WIDEST} fields")
             found[field] = (kind, kind == TRUE if kind in (TRUE, FALSE) else self._value(kind))
 
     def _value(self, kind: int) -> Value:
@@ -82,8 +77,7 @@ class _Reader:
             return self._byte()
         if kind == DOUBLE:
             return self._take(8)
-        message = f"a field of kind {kind}"
-        raise ValueError(message)
+        raise ValueError(f"a field of kind {kind}")
 
     def _list(self) -> tuple[int, list[Value]]:
         head = self._byte()
@@ -91,19 +85,17 @@ class _Reader:
         if count == 15:
             count = self._varint()
         if count > len(self.data) - self.at:
-            message = f"a list of {count} elements where {len(self.data) - self.at} bytes are left"
-            raise ValueError(message)
+            raise ValueError(f"a list of {count} elements where {len(self.data) - self.at} bytes are left")
         self._count(count)
         return kind, [self._value(kind) for _ in range(count)]
 
     def _count(self, more: int) -> None:
         self._left -= more
         if self._left < 0:
-            message = (
+            raise ValueError(
                 f"it has more than {self._most:,} fields and elements: it is damaged, or needs a larger "
                 f"{keyword('memory')}, or larger row groups"
             )
-            raise ValueError(message)
 
     def _byte(self) -> int:
         value = self.data[self.at]
@@ -111,16 +103,14 @@ class _Reader:
         return value
 
     def _take(self, count: int) -> bytes:
-        taken = bytes(self.data[self.at : self.at + count])
+        taken = self.data[self.at : self.at + count]
         if len(taken) < count:
-            message = f"{count} bytes where {len(taken)} are left"
-            raise ValueError(message)
+            raise ValueError(f"{count} bytes where {len(taken)} are left")
         self.at += count
         return taken
 
     def _varint(self) -> int:
-        value = self.data[self.at]
-        self.at += 1
+        value = self._byte()
         if value < 0x80:  # as most are
             return value
         value, shift = value & 0x7F, 7
@@ -131,8 +121,7 @@ class _Reader:
                 return value
             shift += 7
             if shift > 63:
-                message = "an integer of more than 64 bits"
-                raise ValueError(message)
+                raise ValueError("an integer of more than 64 bits")
 
     def _zigzag(self) -> int:
         value = self._varint()

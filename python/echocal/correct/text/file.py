@@ -31,8 +31,6 @@ from echocal.observations.source import refuse_unstreamed
 from echocal.observations.text import blocks_of
 from echocal.outputs import opened_output
 
-__all__ = ["Text", "check_whole", "correct_blocks", "correct_text", "with_results", "writing_text"]
-
 Made = TypeVar("Made")
 
 _BLOCK = (1 << 18, 1 << 23)
@@ -62,11 +60,10 @@ class Text:
         except DataError as error:
             if not str(error).startswith("no column holds an echo"):
                 raise
-            message = (
+            raise DataError(
                 f"{error}. If echocal diagnose reads the log, it has another shape; a table of it: "
                 + command_line("inspect", path, write="table.csv")
-            )
-            raise DataError(message) from None
+            ) from None
         self.parser = Parser(self.head, _kinds(names, job), _absent(job))
         least, largest = _BLOCK
         size = (job.memory - _FIXED) // (_TIMES * (job.threads + 2))
@@ -99,6 +96,11 @@ class Text:
         """Needed columns of all rows, block by block."""
         return map(self.parsed, self.blocks())
 
+    def tables_of(self, path: Path) -> Iterator[pd.DataFrame]:
+        """The same of a file of the same log."""
+        file = self.file if path == self.path else TextFile(path, self.job.reading.layout)
+        return Text(file, self.job, self.corrector.key).tables()
+
 
 def correct_text(
     source: TextFile,
@@ -112,19 +114,9 @@ def correct_text(
 ) -> Tally:
     """Correct a text file into a new one.
 
-    Raises `DataError` if the file cannot be read, or a model needs what it does not have; `out` is incomplete
-    then.
-
-    Parameters
-    ----------
-    key : str or None
-        Key of all rows; None: each row has its own.
-    log : sequence of Path
-        Files of the log that the file belongs to.
-    progress : callable
-        Told the rows of each block that is done.
-    zipped : bool
-        Whether the output is gzipped.
+    Raises `DataError` if the file cannot be read, or a model needs what it does not have; `out` is
+    incomplete then. `key` is that of all rows; None: each row has its own. `log` has the files of the log
+    that the file belongs to, and `progress` is told the rows of each block that is done.
     """
     text = Text(source, job, key)
     job = text.job
@@ -155,11 +147,10 @@ def check_whole(text: Text, tally: Tally) -> None:
     """Refuse a file whose rows do not fit its header, or whose columns have no value or another unit."""
     corrupt, width = tally.unusable.get(CORRUPT, 0), len(text.head.names)
     if 2 * corrupt >= max(tally.rows, 1):
-        message = (
+        raise DataError(
             f"{text.path} cannot be read as rows of {width} fields like its header: {corrupt} of "
             f"{tally.rows} rows have more, first row {tally.first[CORRUPT]}"
         )
-        raise DataError(message)
     if tally.doubtful(text.job):
         whole = pd.concat(list(text.tables()), ignore_index=True)
         text.corrector.correct(whole, Context(), (0, len(whole)), whole=True)
@@ -188,26 +179,9 @@ def correct_blocks(
             held[place] = block
             yield text.parsed(block)
 
-    around = _surroundings(text, log)
+    around = surroundings(text.path, log, corrector, text.tables_of, job.memory)
     then = lambda rows, place: made(held.pop(place), rows)  # noqa: E731
     yield from corrected(tables(), corrector, tally, then, **around, threads=job.threads)
-
-
-def _surroundings(text: Text, log: Sequence[Path]) -> dict[str, Any]:
-    """What the rows depend on, besides themselves."""
-    if not text.corrector.remembers and len(log) < 2:
-        return {"context": Context()}
-    files = list(log) or [text.path]
-
-    def read(path: Path) -> pd.DataFrame:
-        file = text.file if path == text.path else TextFile(path, text.job.reading.layout)
-        tables = list(Text(file, text.job, text.corrector.key).tables())
-        return (
-            pd.concat(tables, ignore_index=True) if tables else pd.DataFrame(columns=text.corrector.columns)
-        )
-
-    found = surroundings(files, files.index(text.path), text.corrector, read, text.job.memory)
-    return {"context": found.context, "before": found.before, "after": found.after}
 
 
 def _around_the_names(file: TextFile) -> tuple[str, str, str, list[str]]:

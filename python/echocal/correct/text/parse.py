@@ -15,18 +15,12 @@ from echocal.observations.numbers import EMPTY, NO_NUMBER
 from echocal.observations.scanner import Block, Scanner, strings, texts_of
 from echocal.outputs import spreadsheet_safe
 
-__all__ = ["Parser"]
-
 
 class Parser:
     """Parses blocks of one file.
 
-    Parameters
-    ----------
-    kinds : mapping of str to str
-        ``"number"``, ``"time"`` or ``"text"`` by column.
-    absent : frozenset of str
-        Texts that mean "no value" in each column, besides the usual ones.
+    `kinds` is ``"number"``, ``"time"`` or ``"text"`` by column; `absent` are texts that mean "no value" in
+    each column, besides the usual ones.
     """
 
     def __init__(self, head: Head, kinds: Mapping[str, str], absent: frozenset[str]) -> None:

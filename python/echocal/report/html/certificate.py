@@ -32,10 +32,6 @@ from echocal.report.budget import (
 )
 from echocal.report.html.document import rendered
 
-__all__ = ["Certificate", "certificate_page", "certify", "refuse_ending", "save_certificate"]
-
-Column = NDArray[np.float64]
-
 _MOST = 12  # lines of results, so that they stay on their page
 _PARAMETERS = 8  # of the model, that are listed
 
@@ -89,16 +85,8 @@ def certify(
 ) -> Certificate:
     """Budget and conformity of the corrected distances of a table.
 
-    Parameters
-    ----------
-    observations : Observations
-        With reference distances, errors are measured, and their own budget is the guard band.
-    maximum_permissible_error : float
-        [m].
-    uncertainties : sequence of str, or mapping of str to float or str
-        As in `echocal.budget`.
-    coverage : float
-        Coverage probability of the expanded uncertainties.
+    With reference distances, errors are measured, and their own budget is the guard band. The maximum
+    permissible error is in m; uncertainties are as in `echocal.budget`.
 
     Examples
     --------
@@ -111,10 +99,9 @@ def certify(
     'conforms'
     """
     if not 0.0 < maximum_permissible_error < np.inf:
-        message = (
+        raise UsageError(
             f"the maximum permissible error must be a positive length [m], got {maximum_permissible_error!r}"
         )
-        raise UsageError(message)
     found = budget(model, observations, uncertainties=uncertainties, coverage=coverage)
     rows = np.flatnonzero(np.isfinite(found.distance) & observations.usable)
     measured = observations.reference_distance is not None
@@ -136,14 +123,8 @@ def certificate_page(
 ) -> str:
     """A certificate as an HTML document that needs nothing else.
 
-    Parameters
-    ----------
-    identification : mapping of str to str
-        What is certified, line by line: device, files, hashes.
-    made_by : str
-        Command line that makes it again.
-    issued : date, optional
-        Default: today.
+    `identification` tells line by line what is certified: device, files, hashes. `made_by` is the command
+    line that makes it again, and `issued` today by default.
     """
     own, shown = certificate, int(np.nanargmax(certificate.budget.expanded_uncertainty))
     errors = replace(own.budget, itemized=own.of_errors)
@@ -204,8 +185,7 @@ def refuse_ending(path: Path) -> None:
     Raises `UsageError` if the ending is another one, or WeasyPrint is not installed.
     """
     if path.suffix.lower() not in (".html", ".pdf"):
-        message = f"{path}: a certificate is .html or .pdf"
-        raise UsageError(message)
+        raise UsageError(f"{path}: a certificate is .html or .pdf")
     if path.suffix.lower() == ".pdf":
         try:
             import weasyprint  # noqa: F401

@@ -12,25 +12,13 @@ from numpy.typing import NDArray
 from echocal.charts.parts import Axis, Bar, Bars, Chart, Line, Panel, Points, Rug
 from echocal.checksums import SEAL, sealed
 
-__all__ = ["Head", "Section", "drawn", "notes_of", "rendered", "sections_page"]
-
 _DIGITS = 6  # of a value in a page: more than a screen shows
 
 
 def rendered(template: str, command: str, title: str, **content: Any) -> str:
     """Fill a template.
 
-    Parameters
-    ----------
-    template : str
-        File of this package.
-    command : str
-        Command that makes the page, by which it is known again.
-    title : str
-        Title of the window.
-    **content
-        What the template shows.
-
+    The page is known again by the `command` that makes it; `content` is what the template shows.
     """
     from jinja2 import Environment, FunctionLoader, StrictUndefined
     from markupsafe import Markup

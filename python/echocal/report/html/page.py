@@ -34,8 +34,6 @@ from echocal.model.document import text_of
 from echocal.outputs import replace_text
 from echocal.report.html.document import rendered
 
-__all__ = ["report_page", "save_report"]
-
 _NEARLY_ALL = 99.0  # %, above which whole numbers do not tell shares apart
 _BESIDE = 3  # columns whose figures are shown, besides the time
 
@@ -61,22 +59,8 @@ def report_page(
 ) -> str:
     """A diagnosis as an HTML document that needs no other file and no network.
 
-    Parameters
-    ----------
-    diagnosis : Diagnosis
-    source : str
-        Name of the table, for the title.
-    made_by : str
-        Command line that makes the page again.
-    saved : path
-        The file with the model; empty where it is not saved.
-    commands : mapping of str to str, optional
-        Commands that use this file, by their purpose.
-
-    Returns
-    -------
-    str
-
+    `source` is the name of the table, `made_by` the command line that makes the page again, `saved` the file
+    with the model, if it is saved; `commands` use this file, by their purpose.
 
     Examples
     --------

@@ -7,19 +7,9 @@ from echocal.report.html.document import Head, Section, notes_of, sections_page
 from echocal.report.results import headline
 from echocal.verify import Verification
 
-__all__ = ["calibration_page", "inspection_page", "verification_page"]
-
 
 def calibration_page(found: Calibration, heading: str, made_by: str = "") -> str:
-    """A calibration as an HTML document that needs no other file and no network.
-
-    Parameters
-    ----------
-    heading : str
-        Name of the table.
-    made_by : str
-        Command line that makes the page again.
-    """
+    """A calibration as an HTML document that needs no other file and no network."""
     bounded = set(found.at_bounds)
     rows = [
         (
@@ -54,15 +44,7 @@ def calibration_page(found: Calibration, heading: str, made_by: str = "") -> str
 
 
 def verification_page(found: Verification, heading: str, made_by: str = "") -> str:
-    """A verification as an HTML document that needs no other file and no network.
-
-    Parameters
-    ----------
-    heading : str
-        Name of the table or the model.
-    made_by : str
-        Command line that makes the page again.
-    """
+    """A verification as an HTML document that needs no other file and no network."""
     sentence = headline(found).partition(": ")[2]
     facts = [
         ("maximum permissible error", f"{1e3 * found.maximum_permissible_error:g} mm"),
@@ -80,15 +62,7 @@ def verification_page(found: Verification, heading: str, made_by: str = "") -> s
 
 
 def inspection_page(found: Inspection, heading: str, made_by: str = "") -> str:
-    """What a log holds, as an HTML document that needs no other file and no network.
-
-    Parameters
-    ----------
-    heading : str
-        Name of the log.
-    made_by : str
-        Command line that makes the page again.
-    """
+    """What a log holds, as an HTML document that needs no other file and no network."""
     usable = f"{found.usable} of {found.rows} rows can be used"
     facts = [("format", found.kind), ("rows", str(found.rows)), ("columns", str(len(found.columns)))]
     clock = found.clock

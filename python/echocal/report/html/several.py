@@ -11,17 +11,9 @@ from echocal.diagnose.results.explain import probability_text
 from echocal.report.html.document import Head, Section, notes_of, sections_page
 from echocal.report.several import false_names
 
-__all__ = ["fleet_page", "pooled_page"]
-
 
 def pooled_page(pooled: PooledDiagnosis, heading: str = "several tables", made_by: str = "") -> str:
-    """A diagnosis of several tables as an HTML document that needs no other file and no network.
-
-    Parameters
-    ----------
-    made_by : str
-        Command line that makes the page again.
-    """
+    """A diagnosis of several tables as an HTML document that needs no other file and no network."""
     used = sum(table.diagnosis.rows["used"] for table in pooled.tables.values())
     facts = [("tables", str(len(pooled.tables))), ("rows used", str(used))]
     tables = [
@@ -69,12 +61,7 @@ def _cause(cause: PooledCause) -> Section:
 def fleet_page(summary: Mapping[str, Any], heading: str = "fleet", made_by: str = "") -> str:
     """The diagnosis of a fleet as an HTML document that needs no other file and no network.
 
-    Parameters
-    ----------
-    summary : mapping
-        Schema ``echocal.fleet/1``.
-    made_by : str
-        Command line that makes the page again.
+    The summary is of schema ``echocal.fleet/1``.
     """
     verdicts = ", ".join(f"{count} {name}" for name, count in summary["verdicts"].items())
     rows, rms = summary["rows"], summary["rms_mm"]

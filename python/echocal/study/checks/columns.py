@@ -187,19 +187,11 @@ def increment(tables: Tables, claim: Claim) -> Finding:
     return claim.found(holds, f"{most:g}", because)
 
 
-def _rmse(x: Array, y: Array) -> float:
-    return float(np.sqrt(np.mean((x - y) ** 2)) * 1e3)
-
-
-def _mae(x: Array, y: Array) -> float:
-    return float(np.mean(np.abs(x - y)) * 1e3)
-
-
-def _pearson(x: Array, y: Array) -> float:
-    return float(np.corrcoef(x, y)[0, 1])
-
-
-STATISTICS: dict[str, Callable[[Array, Array], float]] = {"rmse": _rmse, "mae": _mae, "pearson": _pearson}
+STATISTICS: dict[str, Callable[[Array, Array], float]] = {
+    "rmse": lambda x, y: float(np.sqrt(np.mean((x - y) ** 2)) * 1e3),
+    "mae": lambda x, y: float(np.mean(np.abs(x - y)) * 1e3),
+    "pearson": lambda x, y: float(np.corrcoef(x, y)[0, 1]),
+}
 
 
 @check

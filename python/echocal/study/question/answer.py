@@ -4,8 +4,8 @@ import warnings
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from echocal.arrays import Column
 from echocal.diagnose import Cause, Diagnosis, diagnose
 from echocal.registry import find_effect
 from echocal.study import origin
@@ -26,10 +26,6 @@ from echocal.study.question.laws import ALL
 from echocal.study.question.measurements import Effects, Outcome, judge
 from echocal.study.question.suspects import Suspect
 from echocal.study.tables import DISTANCE, READING_SPEED, Tables
-
-__all__ = ["Answer", "Made", "answer"]
-
-Column = NDArray[np.float64]
 
 _ODD = 6.0  # degC: the row whose reading is that of 4 degC
 _UNTOUCHED = "pulse_in"
@@ -109,15 +105,7 @@ def diagnosis_of(tables: Tables) -> Diagnosis:
 def members(tables: Tables, diagnosis: Diagnosis) -> list[Member]:
     """Judge each cause of the first class by the sign and the size that the table needs.
 
-    Parameters
-    ----------
-    diagnosis : Diagnosis
-        Of the Tinkercad column.
-
-    Returns
-    -------
-    list of Member
-        In alphabetical order.
+    In alphabetical order; the diagnosis is that of the Tinkercad column.
     """
     return [_judged(tables, id_) for id_ in _class_of(diagnosis)]
 
@@ -211,13 +199,7 @@ class Answer:
 
 
 def answer(found: Investigation, tables: Tables | None = None) -> Answer:
-    """Compare what the board measured with Table 2, and ask the diagnosis.
-
-    Parameters
-    ----------
-    tables : Tables, optional
-        Other tables than those that the package ships.
-    """
+    """Compare what the board measured with Table 2, and ask the diagnosis."""
     tables = tables or Tables.load()
     table = tables.table2
     printed, left, warm = table.values("measured_distance_tinkercad_m"), deviation(table), table.temperature

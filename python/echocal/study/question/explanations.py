@@ -5,29 +5,12 @@ from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import logsumexp
 
+from echocal.arrays import Column
 from echocal.study.question.investigation import Readings
 from echocal.study.question.suspects import Suspect
 from echocal.study.tables import Table
-
-__all__ = [
-    "LIMIT",
-    "Explanation",
-    "Pattern",
-    "Verdict",
-    "compare",
-    "curve",
-    "deviation",
-    "explain",
-    "involved",
-    "pattern_of",
-    "unrounded",
-    "without_steps",
-]
-
-Column = NDArray[np.float64]
 
 _GRID = 201  # sizes that are tried over a range; their posterior is some 10 of them wide
 _SCATTERS = "setting"  # place of what scatters the rows and moves them in no direction
@@ -64,21 +47,9 @@ def explain(
 
     The deviations of a table scatter normally about the curves of the suspects. The standard deviation is
     not known (prior 1/sigma), and a free size is uniform in its range. One suspect and two suspects are
-    equally probable beforehand, and so are all explanations of the same number.
-
-    Parameters
-    ----------
-    table : Table
-        Table 2.
-    readings : mapping of str to Readings
-        What the board made of each.
-    without : sequence of float
-        Temperatures of rows that are left out [degC].
-
-    Returns
-    -------
-    list of Explanation
-        The most probable first.
+    equally probable beforehand, and so are all explanations of the same number. `table` is Table 2, and
+    `without` has the temperatures of rows that are left out [degC]. The most probable explanation is the
+    first.
     """
     used = ~np.isin(table.temperature, without)
     wanted = 1e3 * (table.values("measured_distance_tinkercad_m") - unrounded(table))[used]
@@ -160,21 +131,12 @@ class Pattern:
 
 @dataclass(frozen=True)
 class Verdict:
-    """Whether a suspect alone could have made the Tinkercad column.
-
-    Attributes
-    ----------
-    excluded_by : tuple of str
-        Of ``sign``, ``size``, ``slope``, ``step``, ``absent``; empty if the suspect remains.
-    size : float or None
-        Size that the table needs, where it is free.
-    size_error : float or None
-        Its standard error.
-    """
+    """Whether a suspect alone could have made the Tinkercad column."""
 
     excluded_by: tuple[str, ...]
-    size: float | None = None
-    size_error: float | None = None
+    """Of ``sign``, ``size``, ``slope``, ``step``, ``absent``; empty if the suspect remains."""
+    size: float | None = None  # size that the table needs, where it is free
+    size_error: float | None = None  # its standard error
 
     @property
     def remains(self) -> bool:
@@ -226,15 +188,7 @@ def without_steps(table: Table, suspect: Suspect, readings: Readings) -> Column:
 
 
 def compare(table: Table, suspect: Suspect, readings: Readings) -> Verdict:
-    """Judge a suspect by sign, size, slope and step.
-
-    Parameters
-    ----------
-    table : Table
-        Table 2.
-    readings : Readings
-        What the board made of it.
-    """
+    """Judge a suspect by sign, size, slope and step."""
     temperature = table.temperature
     wanted = pattern_of(temperature, deviation(table), table.values("measured_distance_tinkercad_m"))
     made = curve(table, readings)
@@ -261,8 +215,7 @@ def _by_size(mean: float, wanted: Pattern) -> str:
 def _sized(suspect: Suspect, wanted: Pattern, made: Column) -> Verdict:
     free = suspect.free
     if free is None:
-        message = "a suspect of a fixed size has none to find"
-        raise ValueError(message)
+        raise ValueError("a suspect of a fixed size has none to find")
     unit = float(made.mean()) / free.staged  # mm for one unit of the size
     size, error = wanted.mean / unit, abs(wanted.mean_error / unit)
     inside = free.low - LIMIT * error <= size <= free.high + LIMIT * error

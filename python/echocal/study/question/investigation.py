@@ -11,9 +11,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from echocal import silicon
+from echocal.arrays import Column
 from echocal.errors import DataError
 from echocal.keywords import command_line
 from echocal.study.question import scenes
@@ -21,9 +21,6 @@ from echocal.study.question.laws import ALL, suspect
 from echocal.study.question.suspects import Suspect
 from echocal.study.tables import DISTANCE, Tables
 
-__all__ = ["NEAR", "TOLD", "Investigation", "Readings", "investigate", "run"]
-
-Column = NDArray[np.float64]
 Progress = Callable[[int, int], object]
 
 SCHEMA = "echocal.study_question/1"
@@ -52,16 +49,8 @@ def run(
 ) -> Readings:
     """Run the experiment with one suspect.
 
-    Raises `UsageError` if a tool is not installed, and `DataError` if a line is not as the program prints it.
-
-    Parameters
-    ----------
-    temperature : ndarray, shape (n,)
-        Temperatures of the rows [degC].
-    distance : float
-        Distance of the target [m].
-    tables : int, optional
-        How often all rows are measured.
+    Raises `UsageError` if a tool is not installed, and `DataError` if a line is not as the program prints
+    it. Temperatures are in degC, the distance in m; `tables` is how often all rows are measured.
     """
     # one generator for a suspect, whatever else runs
     random = np.random.default_rng([zlib.crc32(suspect.id.encode()), round(distance * 1e3)])
@@ -91,16 +80,8 @@ def run_all(
 ) -> list[Readings]:
     """Run the experiment several times.
 
-    Raises `UsageError` if a tool is not installed.
-
-    Parameters
-    ----------
-    jobs : sequence of (Suspect, float, int or None)
-        Suspect, distance [m] and number of tables, as of `run`.
-    temperature : ndarray, shape (n,)
-        Temperatures of the rows [degC].
-    progress : callable, optional
-        Called with the number of runs done, and that of all.
+    Raises `UsageError` if a tool is not installed. A job is a suspect, its distance [m] and its number of
+    tables; `progress` is called with the number of runs done, and that of all.
     """
     silicon.refuse_missing()
     with ThreadPoolExecutor(_BOARDS) as pool:
@@ -119,10 +100,9 @@ def _numbers(lines: Sequence[str], suspect: Suspect) -> list[float]:
     """Return duration, reading and temperature of a row."""
     match = _ROW.search(lines[0]) if lines else None
     if match is None:
-        message = (
+        raise DataError(
             f"the board printed {lines} for a row of suspect '{suspect.id}', not echo, reading, temperature"
         )
-        raise DataError(message)
     return [float(text) for text in match.groups()]
 
 
@@ -179,13 +159,6 @@ def investigate(tables: Tables | None = None, *, progress: Progress | None = Non
     """Run the study's experiment on the emulated board, once for each suspect.
 
     Raises `UsageError` if a tool is not installed.
-
-    Parameters
-    ----------
-    tables : Tables, optional
-        Other tables than those that the package ships.
-    progress : callable, optional
-        Called with the number of runs done, and that of all.
     """
     temperature = (tables or Tables.load()).table2.temperature
     moving = [one for one in ALL if one.place not in ("setting", "none") and not one.absent]

@@ -3,8 +3,6 @@
 from echocal.study.question import scenes
 from echocal.study.question.suspects import SUSPECTS, Free, Suspect
 
-__all__ = ["ALL", "suspect"]
-
 _RANDOM_TABLES = 20
 _NO_AIR = "Tinkercad has no air"
 

@@ -4,14 +4,10 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from echocal.arrays import Column
 from echocal.study.question.explanations import Explanation, Pattern
 from echocal.study.question.suspects import Suspect
-
-__all__ = ["MEASUREMENTS", "Effects", "Measurement", "Outcome", "judge", "separation"]
-
-Column = NDArray[np.float64]
 
 _READINGS = 10
 _LABEL = 1.0  # mm: judgement, what a label or the coordinates of a drawing tell of the target
@@ -41,27 +37,14 @@ Channel = Callable[[Suspect, float, Effects], float]
 
 @dataclass(frozen=True)
 class Measurement:
-    """A further measurement.
-
-    Attributes
-    ----------
-    id, title : str
-    how : str
-        What the person does.
-    channels : tuple of Channel
-        Values that it gives.
-    error : callable
-        Standard error of each value [mm].
-    replaced : bool
-        Whether the target is placed anew, so that its offset is another one.
-    """
+    """A further measurement."""
 
     id: str
     title: str
-    how: str
-    channels: tuple[Channel, ...]
-    error: Callable[[Effects], float]
-    replaced: bool = False
+    how: str  # what the person does
+    channels: tuple[Channel, ...]  # values that it gives
+    error: Callable[[Effects], float]  # standard error of each value [mm]
+    replaced: bool = False  # whether the target is placed anew, so that its offset is another one
 
 
 @dataclass(frozen=True)
@@ -162,15 +145,7 @@ def separation(measurement: Measurement, pair: tuple[Explanation, Explanation], 
 def judge(explanations: Sequence[Explanation], effects: Effects) -> list[Outcome]:
     """Rank the measurements by how well they would tell what is true.
 
-    Parameters
-    ----------
-    explanations : sequence of Explanation
-        The most probable first.
-
-    Returns
-    -------
-    list of Outcome
-        The best measurement first.
+    The most probable explanation comes first, and so does the best measurement.
     """
     followed = explanations[:_WEIGHED]
     weight = np.array([one.probability for one in followed])

@@ -17,8 +17,6 @@ from echocal.study.question.investigation import NEAR
 from echocal.study.question.laws import suspect
 from echocal.study.question.measurements import MEASUREMENTS, separation
 
-__all__ = ["FIGURES", "document", "filled", "render", "show"]
-
 _ON_TERMINAL = 6
 
 FIGURES = ("study-question.png", "study-question-next.png")
@@ -246,13 +244,7 @@ The board measured again, with one suspect and a potentiometer that a hand sets 
 
 
 def show(found: Answer, console: Console) -> None:
-    """Print what each suspect makes, and the most probable explanations.
-
-    Parameters
-    ----------
-    console : Console
-        Where to.
-    """
+    """Print what each suspect makes, and the most probable explanations."""
     wanted = found.wanted
     title = f"Tinkercad reads {wanted.mean:.2f} ± {wanted.mean_error:.2f} mm beside the calculation"
     table = Table(title=title, title_justify="left", title_style="bold", box=box.SIMPLE_HEAD, padding=(0, 1))

@@ -11,8 +11,6 @@ from echocal.study.question.answer import Answer, Made
 from echocal.study.question.explanations import LIMIT, unrounded
 from echocal.study.question.page import FIGURES
 
-__all__ = ["draw_outcomes", "draw_rows", "draw_suspects", "save"]
-
 INK, GRAY, GRID = "#1f2933", "#7b8794", "#e4e7eb"
 REMAINS, EXCLUDED, TABLE = "#2d7dd2", "#9fb3c8", "#e08e0b"
 _LOWEST, _HIGHEST = -26.0, 13.0  # mm
@@ -21,18 +19,7 @@ _LINES = ("#2d7dd2", "#2e8b57", "#d64545")
 
 
 def save(found: Answer, folder: Path) -> list[Path]:
-    """Draw the figures as PNG.
-
-    Parameters
-    ----------
-    folder : Path
-        Where to; it is made where it is missing.
-
-    Returns
-    -------
-    list of Path
-        The files.
-    """
+    """Draw the figures as PNG."""
     folder.mkdir(parents=True, exist_ok=True)
     first = Figure(figsize=(11.5, 8.2), layout="constrained")
     left, right = first.subplots(1, 2, width_ratios=[5, 4])
@@ -54,13 +41,7 @@ def _style(axes: Axes, title: str) -> None:
 
 
 def draw_suspects(found: Answer, axes: Axes) -> None:
-    """Mean that each suspect makes, beside that of Table 2; of a free size, what it can make.
-
-    Parameters
-    ----------
-    axes : Axes
-        Where to draw.
-    """
+    """Mean that each suspect makes, beside that of Table 2; of a free size, what it can make."""
     shown = [one for one in found.made if one.suspect.place not in ("setting", "none")]
     wanted = found.wanted
     axes.axvspan(
@@ -102,13 +83,7 @@ def _suspect(axes: Axes, row: int, one: Made) -> None:
 
 
 def draw_rows(found: Answer, axes: Axes) -> None:
-    """Rows of Table 2 and what the most probable explanations make of them.
-
-    Parameters
-    ----------
-    axes : Axes
-        Where to draw.
-    """
+    """Rows of Table 2 and what the most probable explanations make of them."""
     table = found.tables.table2
     away = 1e3 * (table.values("measured_distance_tinkercad_m") - unrounded(table))
     axes.plot(table.temperature, away, "D", color=TABLE, markersize=5, label="Table 2")
@@ -135,13 +110,7 @@ def draw_rows(found: Answer, axes: Axes) -> None:
 
 
 def draw_outcomes(found: Answer, axes: Axes) -> None:
-    """Expected probability of what is true, after each measurement.
-
-    Parameters
-    ----------
-    axes : Axes
-        Where to draw.
-    """
+    """Expected probability of what is true, after each measurement."""
     outcomes = found.outcomes[::-1]
     now = sum(one.probability**2 for one in found.explanations)
     values = [100 * one.expected_probability for one in outcomes]

@@ -4,27 +4,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from echocal.arrays import Column
 from echocal.virtual_bench.air import speed_of_sound
 from echocal.virtual_bench.echo_time import echo_time
-
-__all__ = [
-    "MODULE_SPEED",
-    "Rows",
-    "Scene",
-    "air",
-    "comparator",
-    "damp_air",
-    "echo_and_voltage",
-    "hand",
-    "late",
-    "module",
-    "moved",
-]
-__all__ += ["next_row", "placed", "plain", "whole_degrees"]
-
-Column = NDArray[np.float64]
 
 MODULE_SPEED = 343.0
 """Speed with which the module of the simulator makes its echo [m/s]. Tinkercad does not publish it."""

@@ -6,8 +6,6 @@ from dataclasses import dataclass, field
 from echocal.study.question import scenes
 from echocal.study.question.scenes import Scene
 
-__all__ = ["SUSPECTS", "Free", "Suspect"]
-
 
 @dataclass(frozen=True)
 class Free:

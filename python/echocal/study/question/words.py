@@ -9,8 +9,6 @@ from echocal.study.question.answer import Answer, Made
 from echocal.study.question.explanations import LIMIT, Explanation, involved
 from echocal.study.question.laws import suspect
 
-__all__ = ["away", "head", "limits", "next_measurement", "scatter", "told"]
-
 _PAIR = ("pulse_in", "divide_29_1")
 _BY_HAND = "hand"
 

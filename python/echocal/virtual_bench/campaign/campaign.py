@@ -14,8 +14,6 @@ from echocal.virtual_bench.waveform.fluctuations import Turbulence
 from echocal.virtual_bench.waveform.sensor import Sensor
 from echocal.virtual_bench.waveform.target import Target
 
-__all__ = ["CAUSES", "INTERFERENCE", "TILT", "Campaign", "Cause", "Random", "Surroundings", "cause"]
-
 Column = NDArray[np.float64]
 Labels = NDArray[np.int64]
 
@@ -154,11 +152,8 @@ class Cause:
     def check(self, size: float) -> float:
         """Return a size that somebody asks for.
 
-        Raises
-        ------
-        UsageError
-            If it is not a number, or of the wrong sign, or more than ten times the usual, or less than a
-            millionth of it.
+        Raises `UsageError` if it is not a number, or of the wrong sign, or more than ten times the usual, or
+        less than a millionth of it.
         """
         if isinstance(size, bool) or not isinstance(size, Real):
             message = f"{self.id}={size!r}: its size is a number [{self.unit}], or None for a usual one"
@@ -166,11 +161,10 @@ class Cause:
         least = -_MOST * self.high if self.low < 0 else 0.0
         if not least <= size <= _MOST * self.high or abs(size) < _LEAST * self.high:
             limits = f"from {least:g} to {_MOST * self.high:g}, and not 0"
-            message = (
+            raise UsageError(
                 f"{self.id}={size:g}: its size is {limits} [{self.unit}]; usual is {self.usual()}, "
                 f"and {self.id} without a size draws one"
             )
-            raise UsageError(message)
         if self.whole and size != round(size):
             message = f"{self.id}={size:g}: its size is a whole number [{self.unit}]; usual is {self.usual()}"
             raise UsageError(message)

@@ -9,8 +9,6 @@ from echocal.errors import UsageError
 from echocal.virtual_bench.campaign.campaign import Campaign, Random, Surroundings
 from echocal.virtual_bench.waveform.fluctuations import INDOORS, OUTDOORS, remembering
 
-__all__ = ["DESIGNS", "lay_down", "placements", "room", "tape", "weather"]
-
 Column = NDArray[np.float64]
 
 _HOUR, _DAY = 3600.0, 86400.0
@@ -27,8 +25,7 @@ def _design(function: Design) -> Design:
 def lay_down(name: str, random: Random) -> Campaign:
     """Make the campaign of a design. Raises `UsageError` if there is no such design."""
     if name not in DESIGNS:
-        message = f"there is no design '{name}'; there are {', '.join(DESIGNS)}"
-        raise UsageError(message)
+        raise UsageError(f"there is no design '{name}'; there are {', '.join(DESIGNS)}")
     return DESIGNS[name](random)
 
 

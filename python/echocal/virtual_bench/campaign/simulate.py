@@ -19,8 +19,6 @@ from echocal.virtual_bench.waveform.possible import check_seed
 from echocal.virtual_bench.waveform.scene import Scene
 from echocal.virtual_bench.waveform.sensor import Sensor
 
-__all__ = ["Simulation", "offers", "scene_of", "simulate"]
-
 Column = NDArray[np.float64]
 
 _MICRO, _PERCENT, _SUPPLY = 1e6, 100.0, 5.0
@@ -141,8 +139,7 @@ def simulate(
     random = Random(seed, replicate)
     campaign = lay_down(design, random)
     if detector not in ("comparator", "ideal"):
-        message = f"detector is 'comparator' or 'ideal', not '{detector}'"
-        raise UsageError(message)
+        raise UsageError(f"detector is 'comparator' or 'ideal', not '{detector}'")
     campaign.sensor = (sensor or campaign.sensor).but(ideal=detector == "ideal")
     sizes = {name: _stage(campaign, name, size, random) for name, size in (causes or {}).items()}
     try:
@@ -165,14 +162,12 @@ def simulate(
 def _stage(campaign: Campaign, name: str, size: float | None, random: Random) -> float:
     """Stage a cause, and return its size."""
     if name not in CAUSES:
-        message = f"the bench cannot stage '{name}'; it stages {', '.join(sorted(CAUSES))}"
-        raise UsageError(message)
+        raise UsageError(f"the bench cannot stage '{name}'; it stages {', '.join(sorted(CAUSES))}")
     lacks = CAUSES[name].refused(offers(campaign))
     if lacks:
-        message = (
+        raise UsageError(
             f"'{name}' needs {' and '.join(sorted(lacks))}, which the design '{campaign.design}' has not"
         )
-        raise UsageError(message)
     drawn = CAUSES[name].draw(random(f"size {name}", kept=True)) if size is None else CAUSES[name].check(size)
     CAUSES[name].stage(campaign, drawn, random(f"cause {name}", kept=True))
     return drawn

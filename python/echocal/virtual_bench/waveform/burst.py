@@ -13,8 +13,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from echocal.virtual_bench.waveform.possible import Limits, check
 
-__all__ = ["BurstResponse", "Resonance"]
-
 Column = NDArray[np.float64]
 Phasor = NDArray[np.complex128]
 
@@ -66,14 +64,7 @@ class BurstResponse:
     ) -> "BurstResponse":
         """Compute the answer of a chain to a burst of unit amplitude.
 
-        Parameters
-        ----------
-        frequency : float
-            Of the carrier [Hz].
-        cycles : int
-            Of the burst.
-        temperature : array_like, shape (n,)
-            Of the resonances [degC].
+        The carrier is in Hz, and the temperature of the resonances, shape (n,), in degC.
         """
         celsius = np.atleast_1d(np.asarray(temperature, dtype=float))
         omega = 2 * np.pi * frequency
@@ -126,16 +117,8 @@ class BurstResponse:
     def envelope(self, elapsed: Column, step: float | None = None) -> Phasor:
         """Compute the complex envelope at times since the front of the burst.
 
-        Parameters
-        ----------
-        elapsed : ndarray, shape (n, ...)
-            Since the front arrived [s]; before it there is nothing.
-        step : float, optional
-            Between neighbors along the last of two axes [s], if it is the same everywhere: this is faster.
-
-        Returns
-        -------
-        ndarray of complex, shape (n, ...)
+        `elapsed`, shape (n, ...), is since the front arrived [s]; before it there is nothing. Where the
+        `step` between neighbors along the last of two axes [s] is the same everywhere, this is faster.
         """
         shape = (slice(None), *(None,) * (elapsed.ndim - 1))
         late = elapsed >= self.length

@@ -6,24 +6,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import lfilter
 
-__all__ = ["INDOORS", "OUTDOORS", "Turbulence", "remembering"]
-
 Column = NDArray[np.float64]
 
 
 def remembering(seconds: Column, time_constant: float, random: np.random.Generator) -> Column:
     """Draw a stationary process of unit variance whose autocorrelation is `exp(-dt / time_constant)`.
 
-    Parameters
-    ----------
-    seconds : ndarray, shape (n,)
-        Time of each value [s]; it may stand still, and the process with it.
-    time_constant : float
-        [s].
-
-    Returns
-    -------
-    ndarray, shape (n,)
+    `seconds`, shape (n,), may stand still, and the process with it.
     """
     shocks = random.normal(size=len(seconds))
     if len(seconds) < 2:

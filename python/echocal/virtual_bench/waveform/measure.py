@@ -12,8 +12,6 @@ from echocal.virtual_bench.waveform.received import HEARD, Noise, NoiseAlone, Re
 from echocal.virtual_bench.waveform.scene import Scene
 from echocal.virtual_bench.waveform.sensor import Sensor
 
-__all__ = ["Echoes", "measure", "waveform"]
-
 Column = NDArray[np.float64]
 
 _CHUNK = 2000  # readings at a time: their arrays stay in the cache

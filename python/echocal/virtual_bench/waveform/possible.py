@@ -7,8 +7,6 @@ from numpy.typing import ArrayLike
 
 from echocal.errors import UsageError
 
-__all__ = ["Limits", "check", "check_length", "check_seed"]
-
 
 @dataclass(frozen=True)
 class Limits:
@@ -63,14 +61,10 @@ def check(name: str, value: ArrayLike, limits: Limits) -> None:
 def check_seed(name: str, seed: object) -> None:
     """Check the seed of random numbers.
 
-    Raises
-    ------
-    UsageError
-        If it is no whole number of 0 or more.
+    Raises `UsageError` if it is no whole number of 0 or more.
     """
     if isinstance(seed, bool) or not isinstance(seed, int | np.integer) or seed < 0:
-        message = f"{name} is {seed!r}; give a whole number of 0 or more"
-        raise UsageError(message)
+        raise UsageError(f"{name} is {seed!r}; give a whole number of 0 or more")
 
 
 def check_length(name: str, value: ArrayLike, count: int) -> None:
@@ -80,8 +74,7 @@ def check_length(name: str, value: ArrayLike, count: int) -> None:
     """
     values = np.asarray(value)
     if values.ndim and values.shape != (count,):
-        message = (
+        raise UsageError(
             f"{name} has the shape {values.shape}, and distance has {count} readings; "
             "give one number for all, or one for each reading"
         )
-        raise UsageError(message)

@@ -10,8 +10,6 @@ from scipy.signal import lfilter
 from echocal.virtual_bench.waveform.burst import BurstResponse
 from echocal.virtual_bench.waveform.sensor import Comparator, Sensor
 
-__all__ = ["HEARD", "Noise", "NoiseAlone", "Received", "first_crossing"]
-
 Labels = NDArray[np.int64]
 
 _SLACK = 0.85  # of the threshold: the height of a crest is known to 2 % before it is looked at closely
@@ -91,10 +89,7 @@ class Noise:
 class NoiseAlone:
     """When the noise crosses the threshold where nobody searches: seldom, and at random.
 
-    Attributes
-    ----------
-    time : ndarray, shape (n,)
-        Of the first such crossing [s]; NaN: none before the time-out.
+    The first such crossing is at `time`, shape (n,) [s]; NaN: none before the time-out.
     """
 
     def __init__(self, sensor: Sensor, count: int, random: np.random.Generator) -> None:
@@ -182,23 +177,10 @@ def first_crossing(received: Received, start: Column, cycles: int, comparator: C
     """Find the first time at which the voltage is above the threshold in a window.
 
     The window is searched half period by half period, on whose ends the noise has its values. Crests that
-    may be high enough are looked at closely, one after the other.
-
-    Parameters
-    ----------
-    received : Received
-        Of n readings.
-    start : ndarray, shape (n,)
-        Of the window, since the burst began [s].
-    cycles : int
-        Of the window.
-
-    Returns
-    -------
-    ndarray, shape (n,)
-        Since the burst began [s], NaN where nothing crosses. A voltage that is above the threshold at the
-        start crosses there. The output tells it later, by the comparator's response time, and only if the
-        voltage is above the threshold for as long.
+    may be high enough are looked at closely, one after the other. `start`, shape (n,), is that of the window
+    since the burst began, and so is the result [s]: NaN where nothing crosses. A voltage that is above the
+    threshold at the start crosses there. The output tells it later, by the comparator's response time, and
+    only if the voltage is above the threshold for as long.
     """
     omega = 2 * np.pi * received.response.frequency
     ends = start[:, None] + np.arange(2 * cycles + 1) * np.pi / omega

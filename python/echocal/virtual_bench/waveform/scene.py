@@ -12,8 +12,6 @@ from echocal.virtual_bench.waveform.possible import Limits, check, check_length
 from echocal.virtual_bench.waveform.sensor import Sensor
 from echocal.virtual_bench.waveform.target import Target, aperture, directivity, echo_of
 
-__all__ = ["Scene"]
-
 Column = NDArray[np.float64]
 Phasor = NDArray[np.complex128]
 Value = float | Column
@@ -128,12 +126,11 @@ class Scene:
         if len(behind):
             one = behind[0]
             turned, aside = (float(np.broadcast_to(value, front.shape)[one]) for value in (tilt, offset))
-            message = (
+            raise UsageError(
                 f"the target of reading {one + 1} shows its back to the sensor: at {self.distance[one]:g} m, "
                 f"{aside:g} m off the axis, a tilt of {turned:g} rad leaves {front[one]:g} m to its plane; "
                 "give a smaller tilt or offset"
             )
-            raise UsageError(message)
 
     def __len__(self) -> int:
         return len(self.distance)

@@ -8,8 +8,6 @@ import numpy as np
 from echocal.virtual_bench.waveform.burst import Resonance
 from echocal.virtual_bench.waveform.possible import Limits, check
 
-__all__ = ["Comparator", "Sensor"]
-
 _TIME, _SPAN = Limits(0.0, unit="s"), Limits(0.0, above=True, unit="s")
 _COMPARATOR = {
     "threshold": Limits(0.0, above=True),

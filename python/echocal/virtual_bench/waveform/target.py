@@ -9,8 +9,6 @@ from scipy.special import fresnel, j1
 
 from echocal.virtual_bench.waveform.possible import Limits, check
 
-__all__ = ["Target", "aperture", "directivity", "echo_of"]
-
 Column = NDArray[np.float64]
 Phasor = NDArray[np.complex128]
 
@@ -72,17 +70,8 @@ class Target:
 def directivity(angle: ArrayLike, radius: float, wave_number: ArrayLike) -> Column:
     """Compute the pressure of a piston in a wall off its axis, over that on the axis.
 
-    Every second lobe is negative. Kinsler, Frey, Coppens & Sanders 2000, Fundamentals of Acoustics,
-    4th ed., section 7.4.
-
-    Parameters
-    ----------
-    angle : array_like
-        Off the axis [rad].
-    radius : float
-        Of the piston [m].
-    wave_number : array_like
-        Of the sound [rad/m].
+    Every second lobe is negative. Kinsler, Frey, Coppens & Sanders 2000, Fundamentals of Acoustics, 4th ed.,
+    section 7.4. The angle off the axis is in rad, the radius in m, the wave number in rad/m.
     """
     x = np.asarray(wave_number) * radius * np.sin(angle)
     near = np.abs(x) < 1e-6
@@ -109,23 +98,10 @@ def echo_of(
 ) -> tuple[Phasor, Column]:
     """Compute the echo of a target over that of an endless hard wall at one meter on the axis.
 
-    Parameters
-    ----------
-    distance : ndarray, shape (n,)
-        From the sensor to the middle of the target along the axis [m].
-    wave_number : ndarray, shape (n,)
-        Of the sound [rad/m].
-    piston : float
-        Radius of the transducers [m].
-    spacing : float
-        Between their axes [m], which lie in the plane in which the target tilts.
-
-    Returns
-    -------
-    phasor : ndarray of complex, shape (n,)
-        Spreading, beam, edges, curvature and roughness; without the absorption of the air.
-    path : ndarray, shape (n,)
-        Out and back by its nearest point [m].
+    `distance`, shape (n,), is from the sensor to the middle of the target along the axis [m], `spacing` that
+    between the axes of the transducers [m], which lie in the plane in which the target tilts. The phasor has
+    spreading, beam, edges, curvature and roughness, not the absorption of the air; the path is out and back
+    by the nearest point [m].
 
     Notes
     -----

@@ -6,8 +6,6 @@ import pandas as pd
 from echocal.errors import UsageError
 from echocal.virtual_bench.campaign.campaign import Campaign, cause
 
-__all__ = ["device"]
-
 _CENTIMETERS = 100.0
 
 
@@ -16,11 +14,10 @@ def device(campaign: Campaign, speed: float, step_cm: float = 0.0) -> None:
 
     def reckon(table: pd.DataFrame) -> pd.DataFrame:
         if "echo_us" not in table:
-            message = (
+            raise UsageError(
                 "two causes say how the device computes its reading; give one of fixed_speed, divisor, "
                 "reading_quantization and mistyped_rows"
             )
-            raise UsageError(message)
         centimeters = _CENTIMETERS * 0.5 * speed * 1e-6 * table["echo_us"]
         centimeters = centimeters // step_cm * step_cm if step_cm else centimeters.round(2)
         made = table.drop(columns="echo_us")
