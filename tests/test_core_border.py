@@ -78,23 +78,10 @@ def _designed() -> Any:
     return _core.design_firmware(calls.model(), {**calls.firmware_request(), "assumed": [20.0]}, None)
 
 
-def _slips(**labels: Any) -> Any:
-    given = calls.slips()
-    given[2] = np.asarray(labels.get("cells", given[2]))
-    given[3] = np.asarray(labels.get("segments", given[3]))
-    return _core.slips(*given)
-
-
 def _fit(products: Any, forms: int = 3, **given: Any) -> Any:
     some = [[_core.Form(*calls.form(0, given.get("free", [1])))] * forms]
     weight = np.zeros(given.get("noises", 3))
     return _core.fit_hypotheses(products, weight, given.get("degrees", 50.0), 1e-12, some, False)
-
-
-def _ranked(**given: Any) -> Any:
-    names = ("hypotheses", "log_posterior", "covariances", "competing", "prior")
-    arguments = dict(zip(names, calls.ranking(), strict=True))
-    return calls.rank(**{**arguments, **given})
 
 
 _HUGE = np.full(calls.ROWS, 2**32 - 1, np.uint32)
@@ -182,8 +169,6 @@ REFUSED: dict[str, tuple[Callable[[], Any], type[Exception], str]] = {
     ),
     "codes in the other byte order": (lambda: _evaluate(np.array([1], ">i8"), [1]), TypeError, "int64"),
     "air of one number": (_designed, TypeError, "FirmwareRequest.assumed"),
-    "a cell far away": (lambda: _slips(cells=[2**63 - 1] * 48), ValueError, "cells has label 92233"),
-    "a segment below nought": (lambda: _slips(segments=[-1] * 48), ValueError, "segments has label -1"),
     "combinations for ever": (
         lambda: _fit(calls.products(), 40),
         ValueError,
@@ -258,26 +243,6 @@ REFUSED: dict[str, tuple[Callable[[], Any], type[Exception], str]] = {
         lambda: _fit(calls.products(), degrees=0.0),
         ValueError,
         "degrees must be finite and above 0, but is 0",
-    ),
-    "a rank of other hypotheses": (
-        lambda: _ranked(log_posterior=np.zeros(3)),
-        ValueError,
-        "hypotheses has 2 rows, log_posterior has 3",
-    ),
-    "a covariance of other columns": (
-        lambda: _ranked(covariances=[np.eye(4), np.eye(2)]),
-        ValueError,
-        "hypothesis 1 has 1 free columns, but its covariance is 2 by 2",
-    ),
-    "a log posterior that is no number": (
-        lambda: _ranked(log_posterior=np.array([0.0, np.nan])),
-        ValueError,
-        "hypothesis 1 has a log posterior of NaN",
-    ),
-    "more causes than compete": (
-        lambda: _ranked(competing=2),
-        ValueError,
-        "hypothesis 0 has 3 causes, but 2 compete",
     ),
 }
 

@@ -4,7 +4,7 @@ use echocal_core::batch::{Numbers, available_threads};
 use echocal_core::model::Term;
 use echocal_core::{Model, Quantity};
 use echocal_infer::columns::{
-    BasisFunction, Columns, Distinct, Level, Recipe, legendre_lines, wave_means,
+    self, BasisFunction, Columns, Distinct, Level, Recipe, legendre_lines, wave_means,
 };
 use echocal_infer::gram::gram;
 use echocal_infer::noise::{NoiseCorrelation, TableSums};
@@ -350,4 +350,10 @@ impl CoreColumns {
 fn term(id: &str, parameters: &[(String, f64)]) -> PyResult<Term> {
     let parameters: Vec<_> = parameters.iter().map(|(n, v)| (n.as_str(), *v)).collect();
     Term::new(id, &parameters).map_err(|e| to_python(&e))
+}
+
+/// Numbers of a column; of very many, those of evenly spread runs.
+#[pyfunction]
+pub fn spread<'py>(py: Python<'py>, values: Column<'py, f64>) -> Bound<'py, PyArray1<f64>> {
+    PyArray1::from_vec(py, columns::spread(&values).collect())
 }

@@ -67,18 +67,6 @@ fn scaled(value: f64, (low, high): (f64, f64)) -> f64 {
     ((2.0 * value - low - high) / (high - low).max(1e-300)).clamp(-CLIP, CLIP)
 }
 
-/// The polynomials of a value between two others, from degree 0 on.
-pub(super) fn polynomials(value: f64, between: (f64, f64)) -> impl Iterator<Item = f64> {
-    let x = scaled(value, between);
-    let (mut before, mut now, mut degree) = (0.0, 1.0, 0);
-    core::iter::from_fn(move || {
-        let found = now;
-        (before, now) = (now, next(factors(degree), x, now, before));
-        degree += 1;
-        Some(found)
-    })
-}
-
 /// What the polynomial of a degree, times x, and the one before are multiplied with, to give the next.
 fn factors(degree: usize) -> (f64, f64) {
     let n = degree as f64;

@@ -62,12 +62,6 @@ fn multiplied((sine, cosine): (f64, f64), multiple: usize) -> (f64, f64) {
     (s, c)
 }
 
-/// Sine and cosine of the multiples of a value's phase in a period, from the first on.
-pub(super) fn waves(value: f64, period: f64) -> impl Iterator<Item = (f64, f64)> {
-    let phase = fundamental(value, period);
-    (1..).map(move |multiple| multiplied(phase, multiple))
-}
-
 /// Means of the sine and the cosine of the first so many multiples; of many rows, over some evenly
 /// spread.
 pub fn wave_means(multiples: usize, column: &[f64], period: f64) -> Vec<(f64, f64)> {

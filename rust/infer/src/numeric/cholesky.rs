@@ -1,61 +1,29 @@
 //! Small symmetric positive definite systems.
 #![allow(clippy::suboptimal_flops)] // without FMA every fused product is a call
 
-/// Columns that are taken off the rest of a matrix at once.
-const PANEL: usize = 4;
-
 /// Lower triangle of a matrix of `order`, row by row, factored in place: `L` with `L L' = A`.
 ///
 /// `added` was added to the diagonal of a matrix without negative eigenvalues, so no pivot squared
 /// can be smaller; rounding would make it so where columns are nearly the same.
-#[inline(always)]
-pub(crate) fn factor(matrix: &mut [f64], order: usize, added: &[f64]) {
-    let mut columns = [(); PANEL].map(|()| vec![0.0; order]);
-    for first in (0..order).step_by(PANEL) {
-        let end = order.min(first + PANEL);
-        for i in first..order {
-            for j in first..end.min(i + 1) {
-                let mut sum = matrix[i * order + j];
-                for column in &columns[..j - first] {
-                    sum -= column[i] * column[j];
-                }
-                columns[j - first][i] = if i == j {
-                    sum.max(added[i]).sqrt()
-                } else {
-                    sum / columns[j - first][j]
-                };
-                matrix[i * order + j] = columns[j - first][i];
-            }
-        }
-        for i in end..order {
-            let factors = columns.each_ref().map(|column| column[i]);
-            let [a, b, c, d] = columns.each_ref().map(|column| &column[end..=i]);
-            let line = &mut matrix[i * order + end..=i * order + i];
-            for (at, number) in line.iter_mut().enumerate() {
-                *number -= (factors[0] * a[at] + factors[1] * b[at])
-                    + (factors[2] * c[at] + factors[3] * d[at]);
-            }
+pub(crate) fn factor(matrix: &mut [f64], order: usize, added: f64) {
+    for i in 0..order {
+        for j in 0..=i {
+            let (row, other) = (&matrix[i * order..][..j], &matrix[j * order..][..j]);
+            let left = matrix[i * order + j] - dot(row, other);
+            matrix[i * order + j] = if i == j {
+                left.max(added).sqrt()
+            } else {
+                left / matrix[j * order + j]
+            };
         }
     }
 }
 
-/// Sum of products, in eight sums at once: one alone would wait for itself.
-#[inline(always)]
-pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let mut sums = [0.0; 8];
-    let (a, b) = (a.chunks_exact(8), b.chunks_exact(8));
-    let both = a.remainder().iter().zip(b.remainder());
-    let rest: f64 = both.map(|(a, b)| a * b).sum();
-    for (a, b) in a.zip(b) {
-        for (sum, (a, b)) in sums.iter_mut().zip(a.iter().zip(b)) {
-            *sum += a * b;
-        }
-    }
-    rest + sums.iter().sum::<f64>()
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 /// Solves `L x = b` in place.
-#[inline(always)]
 pub(crate) fn forward(lower: &[f64], order: usize, b: &mut [f64]) {
     for i in 0..order {
         b[i] = (b[i] - dot(&lower[i * order..][..i], &b[..i])) / lower[i * order + i];
@@ -63,7 +31,6 @@ pub(crate) fn forward(lower: &[f64], order: usize, b: &mut [f64]) {
 }
 
 /// Solves `L' x = b` in place.
-#[inline(always)]
 pub(crate) fn backward(lower: &[f64], order: usize, b: &mut [f64]) {
     for i in (0..order).rev() {
         let line = &lower[i * order..][..=i];
@@ -82,7 +49,7 @@ mod tests {
     #[test]
     fn inverse_by_hand() {
         let mut matrix = [4.0, 0.0, 0.0, 2.0, 5.0, 0.0, 0.0, 1.0, 3.0]; // the upper triangle is not read
-        factor(&mut matrix, 3, &[0.0; 3]);
+        factor(&mut matrix, 3, 0.0);
         let expected = [14.0, -6.0, 2.0, -6.0, 12.0, -4.0, 2.0, -4.0, 16.0].map(|x| x / 44.0);
         for (column, right) in expected.chunks_exact(3).enumerate() {
             let mut found = [0.0; 3];
@@ -104,7 +71,7 @@ mod tests {
                 .map(|at| product(at / order, at % order) + f64::from(at % (order + 1) == 0))
                 .collect();
             let mut lower = matrix.clone();
-            factor(&mut lower, order, &vec![0.0; order]);
+            factor(&mut lower, order, 0.0);
             for i in 0..order {
                 for j in 0..=i {
                     let found = dot(&lower[i * order..][..=j], &lower[j * order..][..=j]);
@@ -117,7 +84,7 @@ mod tests {
     #[test]
     fn a_direction_without_information_stays_finite() {
         let mut matrix = [1.0, 0.0, 1.0, 1.0]; // 1e-20 added, and lost
-        factor(&mut matrix, 2, &[1e-20; 2]);
+        factor(&mut matrix, 2, 1e-20);
         assert_eq!(matrix[3], 1e-10);
     }
 }

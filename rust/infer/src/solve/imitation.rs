@@ -110,7 +110,7 @@ fn sizes(among: &[f64], order: usize, first: usize, along: &[f64]) -> Vec<f64> {
     for i in 0..count {
         lower[i * count + i] += ridge;
     }
-    factor(&mut lower, count, &vec![ridge; count]);
+    factor(&mut lower, count, ridge);
     let mut found = along[first..].to_vec();
     forward(&lower, count, &mut found);
     backward(&lower, count, &mut found);

@@ -17,12 +17,6 @@ def without_offsets(case: Case, inference: Inference) -> tuple[Case, Inference, 
     case : Case
     inference : Inference
         Hypotheses on the residuals as they are.
-
-    Returns
-    -------
-    Case
-    Inference
-    list of Finding
     """
     findings = []
     for noise in registry.offsets():

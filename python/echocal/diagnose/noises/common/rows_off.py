@@ -21,15 +21,7 @@ _ROUNDS = 2  # the second one beside the causes that are probable after the firs
 
 @dataclass(frozen=True)
 class RowsOff:
-    """A noise whose expected errors of rows are subtracted, and the hypotheses on what is left.
-
-    Attributes
-    ----------
-    finding : Finding
-    case : Case
-    inference : Inference
-    noise : FittedNoise
-    """
+    """A noise whose expected errors of rows are subtracted, and the hypotheses on what is left."""
 
     finding: Finding
     case: Case
