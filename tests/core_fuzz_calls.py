@@ -84,7 +84,7 @@ def columns() -> _core.Columns:
     made.slope()
     made.store(column(-1.0, 1.0))
     made.tangent("zero_error", [], False, None, "offset", 1.0)
-    made.legendre(column(), 0.5, 3.0, 1, [1.0, 1.0])
+    made.legendre(column(), 0.5, 3.0, 1, [1.0, 1.0], LINES)
     made.settle()
     return made
 
@@ -128,12 +128,6 @@ def fit_hypotheses(*given: Any) -> tuple[Any, ...]:
     *stack, hypotheses, one_width = given
     found = _core.fit_hypotheses(*stack, [forms(one) for one in hypotheses], one_width)
     return tuple((one.log_evidence, one.mean, one.covariance, one.noise, one.variance) for one in found)
-
-
-def imitations(*given: Any) -> tuple[Any, ...]:
-    """Imitate a signal by forms given as arguments."""
-    *signal, some = given
-    return _core.imitations(*signal, forms(some))
 
 
 def posterior(*given: Any) -> tuple[Any, ...]:
@@ -232,6 +226,7 @@ def evidence(function: Any, *arguments: Any) -> Callable[[], Call]:
 FORMS = [form(0, [1]), form(1, [2]), form(2, [3]), form(None, [4])]
 PRIOR = [[0.4, 0.3, 0.2, 0.1], 0.1]
 OFFSET = [("offset", 1e-3)]
+LINES = [(0.1, 0.2), (0.3, 0.4)]
 LEVELS = [1.0, 1.5, 2.0, 2.5]
 CALLS: dict[str, Callable[[], Call]] = {
     "speed_of_sound": batch("speed_of_sound", 4),
@@ -259,8 +254,8 @@ CALLS: dict[str, Callable[[], Call]] = {
     "Columns.store": lambda: of_columns("store", column)(),
     "Columns.shift": of_columns("shift", "zero_error", OFFSET, LEVELS),
     "Columns.tangent": of_columns("tangent", "zero_error", OFFSET, True, LEVELS, "offset", 1.0),
-    "Columns.legendre": of_columns("legendre", column, 0.5, 3.0, 1, [1.0, 1.0]),
-    "Columns.waves": of_columns("waves", column, 1.0, [1.0, 1.0]),
+    "Columns.legendre": of_columns("legendre", column, 0.5, 3.0, 1, [1.0, 1.0], LINES),
+    "Columns.waves": of_columns("waves", column, 1.0, [1.0, 1.0], LINES),
     "Columns.settle": of_columns("settle"),
     "Columns.made": of_columns("made", [0, 4], lambda: guard(np.array([0, 5, 47], np.uintp))),
     "Columns.combined": of_columns("combined", [(0, 1.0), (4, -2.0)]),
@@ -292,10 +287,6 @@ CALLS: dict[str, Callable[[], Call]] = {
     "fit_hypotheses": evidence(fit_hypotheses, [FORMS, FORMS[:1]], False),
     "posterior": evidence(posterior, FORMS, PRIOR, [25.0, 1.5, 1e-3]),
     "preferred_form": lambda: Call(_core.preferred_form, [[0.0, -1.0], [1, 2], 1.5]),
-    "imitations": lambda: Call(
-        imitations, [products()[0].copy(), guard(np.eye(6)[1]), guard(np.eye(6)[2]), FORMS]
-    ),
-    "spread": lambda: Call(_core.spread, [column()]),
     "Scanner": lambda: Call(_core.Scanner, [44, 2, True, False, [b"a,b"]]),
     "Scanner.scan": lambda: Call(_core.Scanner(44, 2, True, False, []).scan, [b'1,2\n3,"4\n', False]),
     "Lines.unread": lambda: Call(lines(b"1,2\n3,4,5\n").unread, []),

@@ -116,17 +116,27 @@ REFUSED: dict[str, tuple[Callable[[], Any], type[Exception], str]] = {
         "levels has 1 rows, groups has 4",
     ),
     "a polynomial for ever": (
-        lambda: calls.columns().legendre(np.ones(calls.ROWS), 0.0, 1.0, 2**63, [1.0]),
+        lambda: calls.columns().legendre(np.ones(calls.ROWS), 0.0, 1.0, 2**63, [1.0], calls.LINES[:1]),
         ValueError,
         "9223372036854775809 degrees from 0 on; at most 1000",
     ),
+    "a polynomial without its line": (
+        lambda: calls.columns().legendre(np.ones(calls.ROWS), 0.0, 1.0, 1, [1.0], []),
+        ValueError,
+        "scales has 1 rows, lines has 0",
+    ),
+    "a wave without its means": (
+        lambda: calls.columns().waves(np.ones(calls.ROWS), 1.0, [1.0], calls.LINES),
+        ValueError,
+        "scales has 1 rows, means has 2",
+    ),
     "a polynomial too many": (
-        lambda: calls.columns().legendre(np.ones(calls.ROWS), 0.0, 1.0, 1000, [1.0]),
+        lambda: calls.columns().legendre(np.ones(calls.ROWS), 0.0, 1.0, 1000, [1.0], calls.LINES[:1]),
         ValueError,
         "1001 degrees from 0 on; at most 1000",
     ),
     "a wave too many": (
-        lambda: calls.columns().waves(np.ones(calls.ROWS), 1.0, [1.0] * 1001),
+        lambda: calls.columns().waves(np.ones(calls.ROWS), 1.0, [1.0] * 1001, [(0.0, 0.0)] * 1001),
         ValueError,
         "1001 multiples of a wave; at most 1000",
     ),
@@ -304,7 +314,7 @@ def test_what_the_core_found_cannot_be_changed() -> None:
 def test_a_refused_column_leaves_the_others_alone() -> None:
     columns = calls.columns()
     before = columns.gram()
-    for call in (columns.store, lambda c: columns.legendre(c, 0.0, 1.0, 1, [1.0])):
+    for call in (columns.store, lambda c: columns.legendre(c, 0.0, 1.0, 1, [1.0], calls.LINES[:1])):
         with pytest.raises(ValueError, match="column has 5 rows"):
             call(np.ones(5))
     np.testing.assert_array_equal(columns.gram(), before)
@@ -314,8 +324,8 @@ def test_the_last_degree_and_wave_are_allowed() -> None:
     columns = calls.columns()
     before = len(columns)
     values = np.linspace(0.0, 1.0, calls.ROWS)
-    columns.legendre(values, 0.0, 1.0, 999, [1.0])
-    columns.waves(values, 1.0, [1.0] * 1000)
+    columns.legendre(values, 0.0, 1.0, 999, [1.0], calls.LINES[:1])
+    columns.waves(values, 1.0, [1.0] * 1000, [(0.0, 0.0)] * 1000)
     assert len(columns) == before + 1 + 2 * 1000
 
 

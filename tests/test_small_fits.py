@@ -4,6 +4,9 @@ import numpy as np
 import pytest
 from scipy.stats import norm, t
 
+from echocal.diagnose.candidates.columns import legendre, waves
+from echocal.diagnose.candidates.variant import Variant
+from echocal.diagnose.inference.alias import Geometry
 from echocal.diagnose.inference.least_squares import averaged_out, principal, ridge
 from echocal.diagnose.noises.cycle_slip import _fitted, _Groups
 from echocal.diagnose.preprocess.density import fitted, log_density, weight
@@ -74,3 +77,31 @@ def test_a_level_of_each_segment() -> None:
     )
     np.testing.assert_allclose(level[[0, 7]], [0.3, -0.2], atol=1e-3)
     assert weights[0, 2] == pytest.approx(1 / 8, abs=1e-3)
+
+
+def test_a_form_within_its_bounds_and_beside_what_stays() -> None:
+    """Columns 0 and 1 are the same, column 2 is at 60 degrees to them, and column 3 is twice as long."""
+    products = np.array([[4.0, 4, 2, 8], [4, 4, 2, 8], [2, 2, 4, 4], [8, 8, 4, 16]])
+    signal, anything = np.array([-2.0, 0.0, 0.0, 0.0]), (-np.inf, np.inf)
+    free = {1: [anything, (0.0, 9.0)], 2: [anything]}
+    forms = [Variant("a", free=(column,), bounds=(own,)) for column, each in free.items() for own in each]
+    forms += [Variant("a", offset=3), Variant("a", offset=3, free=(1,), bounds=(anything,))]
+    geometry = Geometry(products, 1.0)
+    left, size = geometry._imitations(signal, np.zeros(4), forms)
+    np.testing.assert_allclose(left, [0.0, 8.0, 6.0, 32.0, 0.0], atol=1e-9)
+    np.testing.assert_allclose(size, [2.0, 0.0, 1.0, 1.0, 4.0], atol=1e-9)
+    beside = np.array([0.0, 0.5, 0.0, 0.0])  # it may become what the third column misses
+    left, size = geometry._imitations(signal, beside, forms[2:3])
+    np.testing.assert_allclose([*left, *size], [0.0, 1.5], atol=1e-9)
+
+
+def test_functions_of_a_column() -> None:
+    """Abramowitz & Stegun 1964, table 22.9; what is far off is cut off at 1.5 (here 9, between 1 and 5)."""
+    x = np.array([0.7, -0.3])
+    found = legendre(x, -1.0, 1.0, 5)
+    np.testing.assert_allclose(found[3], (5 * x**3 - 3 * x) / 2)
+    np.testing.assert_allclose(found[5], (63 * x**5 - 70 * x**3 + 15 * x) / 8)
+    np.testing.assert_allclose(legendre(np.array([3.0, 9.0]), 1.0, 5.0, 1)[1], [0.0, 1.5])
+    (sine, cosine), (twice, _) = waves(np.array([3.0, 30.0]), 24.0, 2)
+    np.testing.assert_allclose(sine, np.sin([np.pi / 4, np.pi / 2]))
+    np.testing.assert_allclose([cosine[1], twice[0]], [0.0, 1.0], atol=1e-12)

@@ -171,13 +171,6 @@ def posterior(
     options: SearchOptions,
 ) -> Posterior: ...
 def preferred_form(log_odds: list[float], coefficients: list[int], form_preference: float) -> int: ...
-def imitations(
-    products: NDArray[np.floating[Any]],
-    signal: NDArray[np.floating[Any]],
-    beside: NDArray[np.floating[Any]],
-    forms: Sequence[Form],
-) -> tuple[_Column, _Column]: ...
-def spread(values: NDArray[np.float64]) -> _Column: ...
 
 @final
 class Columns:
@@ -204,9 +197,21 @@ class Columns:
         scale: float,
     ) -> int: ...
     def legendre(
-        self, column: NDArray[np.float64], low: float, high: float, first: int, scales: list[float]
+        self,
+        column: NDArray[np.float64],
+        low: float,
+        high: float,
+        first: int,
+        scales: list[float],
+        lines: list[tuple[float, float]],
     ) -> list[int]: ...
-    def waves(self, column: NDArray[np.float64], period: float, scales: list[float]) -> list[int]: ...
+    def waves(
+        self,
+        column: NDArray[np.float64],
+        period: float,
+        scales: list[float],
+        means: list[tuple[float, float]],
+    ) -> list[int]: ...
     def settle(self) -> None: ...
     def combined(self, chosen: list[tuple[int, float]]) -> NDArray[np.float64]: ...
     def made(self, chosen: list[int], rows: NDArray[np.uintp] | None = None) -> NDArray[np.float64]: ...

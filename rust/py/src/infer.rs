@@ -2,8 +2,8 @@
 
 use echocal_core::batch::available_threads;
 use echocal_infer::search;
-use echocal_infer::solve::{self, Signal, Variant, WhitenedStack};
-use numpy::{Ix2, Ix3, PyArray1};
+use echocal_infer::solve::{self, Variant, WhitenedStack};
+use numpy::Ix3;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
@@ -44,37 +44,6 @@ fn stack<'a>(
         degrees,
         variance_floor,
     })
-}
-
-/// Log odds that remain against the imitation of a signal by each form, and the size that each needs.
-#[pyfunction]
-#[allow(clippy::type_complexity)] // as Python sees it
-pub fn imitations<'py>(
-    py: Python<'py>,
-    products: Array<'py, f64, Ix2>,
-    signal: Column<'py, f64>,
-    beside: Column<'py, f64>,
-    forms: Vec<PyRef<'py, CoreForm>>,
-) -> PyResult<(Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>)> {
-    let &[width, other] = products.shape() else {
-        unreachable!("a two-dimensional array has two lengths")
-    };
-    same_length_not_empty(&[
-        ("products", width),
-        ("a line of products", other),
-        ("signal", signal.len()),
-        ("beside", beside.len()),
-    ])?;
-    let forms = variants(&forms, width)?;
-    let given = Signal {
-        products: &products,
-        signal: &signal,
-        beside: &beside,
-    };
-    let found = given.imitations(&forms);
-    let left = found.iter().map(|one| one.left).collect();
-    let size = found.iter().map(|one| one.size).collect();
-    Ok((PyArray1::from_vec(py, left), PyArray1::from_vec(py, size)))
 }
 
 /// Forms of one hypothesis whose widths can be combined: each has three, and every combination costs.

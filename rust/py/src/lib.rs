@@ -36,7 +36,7 @@ mod _core {
         speed_of_sound, time_of_flight,
     };
     #[pymodule_export]
-    use super::columns::{CoreColumns, spread};
+    use super::columns::CoreColumns;
     #[pymodule_export]
     use super::domain::{departure, departure_names, departures};
     #[pymodule_export]
@@ -44,7 +44,7 @@ mod _core {
         CoreFirmware, design_firmware, echo_times, firmware_targets, output_units,
     };
     #[pymodule_export]
-    use super::infer::{fit_hypotheses, imitations, posterior, preferred_form};
+    use super::infer::{fit_hypotheses, posterior, preferred_form};
     #[pymodule_export]
     use super::infer_classes::{
         CoreForm, CoreHypothesisFit, CoreOutcome, CorePosterior, CorePrior, CoreSearchOptions,

@@ -4,9 +4,9 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.polynomial.legendre import legvander
 from numpy.typing import NDArray
 
+from echocal.diagnose.candidates.columns import legendre, waves
 from echocal.diagnose.candidates.variant import UNKNOWN, Candidates, Variant
 from echocal.diagnose.settings import TermSettings
 from echocal.observations.quantiles import quantiles, spread
@@ -30,7 +30,6 @@ _ROWS_OF_A_VALUE = 8  # that have the least, and the largest, value of a column 
 _HARMONICS = 2  # of the day
 _FEWEST_DAYS = 2.0  # that a table with a term against the hour of the day spans
 _DAY = 86400.0  # s
-_CLIP = 1.5  # scaled values are cut off there, as in rust/infer: far ones must not bend a curve
 _MOST, _ROWS_EACH = 64, 4  # basis functions of all known quantities together; rows for each of them
 
 
@@ -63,12 +62,12 @@ class Basis:
         docs/method/rows-and-candidates.md, Eq. 2a, times their scales, with their means [m].
         """
         if self.against == HOUR:
-            turns = 2.0 * np.pi * (values / 24.0 % 1.0)
-            each = enumerate(_harmonics(self.settings), start=1)
-            return [size * wave(k * turns) for k, size in each for wave in (np.sin, np.cos)]
-        scales = [0.0, *_scales(self.settings)]
-        x = (2.0 * values - self.low - self.high) / max(self.high - self.low, 1e-300)
-        return list((legvander(np.clip(x, -_CLIP, _CLIP), len(scales) - 1) * scales).T[1:])
+            scales = _harmonics(self.settings)
+            each = zip(scales, waves(values, 24.0, len(scales)), strict=True)
+            return [size * wave for size, pair in each for wave in pair]
+        scales = _scales(self.settings)
+        functions = legendre(values, self.low, self.high, len(scales))[1:]
+        return [size * function for size, function in zip(scales, functions, strict=True)]
 
 
 def _scales(settings: TermSettings) -> list[float]:
@@ -144,8 +143,8 @@ def term_candidates(
         found.line = replace(_term(line, ""), scales=(settings.size,) * len(line))
     elapsed = against.get("time")
     if elapsed is not None and np.isfinite(elapsed).all() and np.ptp(elapsed) > _FEWEST_DAYS * _DAY:
-        waves = found.columns.waves(elapsed, _DAY, _harmonics(settings))
-        found.variants.append(_term(waves, HOUR))
+        daily = found.columns.waves(elapsed, _DAY, _harmonics(settings))
+        found.variants.append(_term(daily, HOUR))
 
 
 def degrees_of(column: Column, settings: TermSettings, *, further: bool = False) -> int:

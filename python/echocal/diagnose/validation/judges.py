@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Collection
 from dataclasses import dataclass, field, replace
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,45 +25,6 @@ __all__ = ["HeldOutRows", "Judge", "Nested", "judge_of"]
 
 Column = NDArray[np.float64]
 Mask = NDArray[np.bool_]
-
-
-class Judge(Protocol):
-    """Rows on which a model is compared with the base."""
-
-    @property
-    def scheme(self) -> str:
-        """How these rows were chosen."""
-
-    @property
-    def held(self) -> Table | None:
-        """Rows that no other stage has, if the user holds out some."""
-
-    def base(self) -> HeldOut:
-        """Errors of the base."""
-
-    def judged(self, trials: Trials, rest: Rest) -> Rest:
-        """The same claims, with the errors of their model on these rows."""
-
-    def score(self, after: HeldOut, before: HeldOut, noise: Noise) -> Score:
-        """Log density of these rows with the judged model, less that with the base.
-
-        `noise` is that beside the claims; a fold that chooses by itself has its own.
-        """
-
-    def sized(self, trials: Trials, rest: Rest) -> HeldOut:
-        """Errors of a model with some causes, whose sizes are fitted without these rows."""
-
-    def compared(self, trials: Trials, one: HeldOut, other: HeldOut) -> Score:
-        """Log density of these rows with one such model, less that with another one."""
-
-    def extended(self, fitted: Callable[[Mask], Model]) -> HeldOut:
-        """Errors of a model that is a function of the blocks that it is fitted on."""
-
-    def models(self, fitted: Callable[[Mask], Model], kept: bool) -> Callable[[Mask], Model]:
-        """The model that some blocks choose; `fitted` is the final one, and whether it has causes."""
-
-    def fixed_speed(self) -> float:
-        """Error of a device that converts every echo with one speed [m]."""
 
 
 @dataclass(frozen=True)
@@ -272,6 +232,10 @@ class HeldOutRows:
         if _stand(self.held, first) == _stand(self.case.table, last):
             level[groups == groups[first]] = seen()[others == others[last]].mean()
         return values - level
+
+
+Judge = Nested | HeldOutRows
+"""Rows on which a model is compared with the base."""
 
 
 def judge_of(

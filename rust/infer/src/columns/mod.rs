@@ -11,14 +11,10 @@ mod maker;
 mod onsets;
 mod pass;
 mod recipe;
-mod sampling;
 mod table;
 mod waves;
 
 pub use distinct::Distinct;
 pub use from_parts::FromParts;
-pub use legendre::legendre_lines;
 pub use recipe::{BasisFunction, Level, Recipe};
-pub use sampling::spread;
 pub use table::Columns;
-pub use waves::wave_means;

@@ -3,7 +3,6 @@
 mod bounds;
 mod fit;
 mod hypothesis;
-mod imitation;
 mod log_evidence;
 mod mixture;
 mod moments;
@@ -15,7 +14,6 @@ pub(crate) use fit::Accuracy;
 pub use fit::HypothesisFit;
 pub use hypothesis::Variant;
 pub(crate) use hypothesis::{HypothesisColumns, columns};
-pub use imitation::{Imitation, Signal};
 pub use log_evidence::log_evidence;
 pub(crate) use log_evidence::{EvidenceSolver, NARROWER};
 pub(crate) use mixture::log_sum;
