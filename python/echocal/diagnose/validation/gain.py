@@ -37,8 +37,6 @@ Labels = NDArray[np.int64]
 
 Interval = tuple[float, float]
 
-_CACHED = 32_768  # rows whose differences fit into the cache of a processor
-
 
 INTERVAL = 0.95
 """Probability of the intervals of the gain and of the log score."""
@@ -74,10 +72,7 @@ class HeldOut:
     @cached_property
     def rms(self) -> float:
         """Root mean square [m]; NaN where no row is known."""
-        total = _squares(self.error)
-        if not np.isfinite(total):
-            return float(np.sqrt(np.mean(self.error[self.known] ** 2))) if self.known.any() else np.nan
-        return float(np.sqrt(total / len(self.error)))
+        return float(np.sqrt(np.mean(self.error[self.known] ** 2))) if self.known.any() else np.nan
 
     def of_units(self, table: Table) -> "HeldOut":
         """Mean errors of the units of a table."""

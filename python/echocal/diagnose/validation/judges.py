@@ -10,12 +10,15 @@ from echocal.diagnose.findings.parts import HELD_OUT
 from echocal.diagnose.inference.case import Case
 from echocal.diagnose.inference.examine import examine
 from echocal.diagnose.inference.noise import Noise
+from echocal.diagnose.inference.posterior import infer
 from echocal.diagnose.inference.weigh_steps import StepPosterior
 from echocal.diagnose.noises.common.kinds import FittedNoise
+from echocal.diagnose.noises.common.posterior import infer_noises
 from echocal.diagnose.preprocess.base import Base
 from echocal.diagnose.preprocess.folds import Folds
 from echocal.diagnose.preprocess.table import Table, levels
-from echocal.diagnose.validation.chosen import chosen
+from echocal.diagnose.selection.claims import rank
+from echocal.diagnose.selection.select import select
 from echocal.diagnose.validation.gain import HeldOut, fixed_speed_rms, measure, on_common_rows
 from echocal.diagnose.validation.score import Score, score
 from echocal.diagnose.validation.trials import Rest, Trials
@@ -25,6 +28,8 @@ __all__ = ["HeldOutRows", "Judge", "Nested", "judge_of"]
 
 Column = NDArray[np.float64]
 Mask = NDArray[np.bool_]
+
+_UNLISTED = 1e-3  # probability that the least probable hypotheses share, which a fold leaves out
 
 
 @dataclass(frozen=True)
@@ -130,12 +135,19 @@ class Nested:
         return self._chosen(blocks)[0]
 
     def _chosen(self, blocks: Mask) -> tuple[Model, Noise]:
-        """The model that some blocks choose and fit, and the noise beside it."""
+        """The model that some blocks choose as the pipeline does, and fit, and the noise beside it.
+
+        The columns and the sums are those of the whole table: where a step or an edge may lie, and the
+        segments of an unknown level, are not searched again.
+        """
         if (key := blocks.tobytes()) in self.known:
             return self.known[key]
         folds = self.case.folds.within(blocks)
         part = replace(self._divided(blocks), folds=folds, signals={}, probable=self.noises)
-        selection = chosen(part, self.tried)
+        inference = infer(part, _UNLISTED)
+        shares = infer_noises(part, inference.fits, inference.reduced, self.tried)
+        ranking = rank(shares.fits, part.found.competing, part.settings)
+        selection = select(part, ranking, shares, inference.reduced)
         model = Trials(part, selection.noise).fitted(selection.best.hypothesis, selection.claims)(blocks)
         self.known[key] = model, selection.noise
         return self.known[key]
