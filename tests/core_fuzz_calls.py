@@ -84,7 +84,7 @@ def columns() -> _core.Columns:
     made.slope()
     made.store(column(-1.0, 1.0))
     made.tangent("zero_error", [], False, None, "offset", 1.0)
-    made.legendre(column(), 0.5, 3.0, 1, [1.0, 1.0])
+    made.legendre(column(), 0.5, 3.0, 1, [1.0, 1.0], LINES)
     made.settle()
     return made
 
@@ -95,11 +95,6 @@ def starts() -> Any:
 
 def lines(text: bytes) -> Any:
     return _core.Scanner(ord(","), 1 + text.partition(b"\n")[0].count(b","), True, False, []).scan(text, True)
-
-
-def slips() -> list[Any]:
-    labels = [guard(np.arange(ROWS) // 12) for _ in range(2)]
-    return [column(), column(), *labels, [0.0, 1.0], 4.0, 1.0, column(), 0.1]
 
 
 def layout() -> list[Any]:
@@ -135,26 +130,11 @@ def fit_hypotheses(*given: Any) -> tuple[Any, ...]:
     return tuple((one.log_evidence, one.mean, one.covariance, one.noise, one.variance) for one in found)
 
 
-def imitations(*given: Any) -> tuple[Any, ...]:
-    """Imitate a signal by forms given as arguments."""
-    *signal, some = given
-    return _core.imitations(*signal, forms(some))
-
-
 def posterior(*given: Any) -> tuple[Any, ...]:
     """Search hypotheses, given everything as arguments."""
     *stack, some, prior, options = given
     found = _core.posterior(*stack, forms(some), _core.Prior(*prior), _core.SearchOptions(*options))
     return tuple((one.forms, one.prior, one.fit.log_evidence) for one in found.outcomes)
-
-
-def rank(
-    hypotheses: Any, log_posterior: Any, covariances: Any, competing: Any, prior: Any
-) -> tuple[Any, ...]:
-    """Rank hypotheses given as arguments of their forms."""
-    given = [forms(one) for one in hypotheses]
-    found = _core.rank(given, log_posterior, covariances, competing, _core.Prior(*prior))
-    return found.probability, found.sets
 
 
 def whiten(noises: Any, used: Any) -> tuple[Any, ...]:
@@ -243,14 +223,10 @@ def evidence(function: Any, *arguments: Any) -> Callable[[], Call]:
     return lambda: Call(function, [products(), column(-2.0, -1.0, rows=3), *given])
 
 
-def ranking() -> list[Any]:
-    covariances = [0.1 * np.eye(4), 0.2 * np.eye(1)]
-    return [[FORMS, FORMS[:1]], column(-2.0, -1.0, rows=2), covariances, 3, PRIOR]
-
-
 FORMS = [form(0, [1]), form(1, [2]), form(2, [3]), form(None, [4])]
 PRIOR = [[0.4, 0.3, 0.2, 0.1], 0.1]
 OFFSET = [("offset", 1e-3)]
+LINES = [(0.1, 0.2), (0.3, 0.4)]
 LEVELS = [1.0, 1.5, 2.0, 2.5]
 CALLS: dict[str, Callable[[], Call]] = {
     "speed_of_sound": batch("speed_of_sound", 4),
@@ -278,8 +254,8 @@ CALLS: dict[str, Callable[[], Call]] = {
     "Columns.store": lambda: of_columns("store", column)(),
     "Columns.shift": of_columns("shift", "zero_error", OFFSET, LEVELS),
     "Columns.tangent": of_columns("tangent", "zero_error", OFFSET, True, LEVELS, "offset", 1.0),
-    "Columns.legendre": of_columns("legendre", column, 0.5, 3.0, 1, [1.0, 1.0]),
-    "Columns.waves": of_columns("waves", column, 1.0, [1.0, 1.0]),
+    "Columns.legendre": of_columns("legendre", column, 0.5, 3.0, 1, [1.0, 1.0], LINES),
+    "Columns.waves": of_columns("waves", column, 1.0, [1.0, 1.0], LINES),
     "Columns.settle": of_columns("settle"),
     "Columns.made": of_columns("made", [0, 4], lambda: guard(np.array([0, 5, 47], np.uintp))),
     "Columns.combined": of_columns("combined", [(0, 1.0), (4, -2.0)]),
@@ -310,20 +286,7 @@ CALLS: dict[str, Callable[[], Call]] = {
     "SearchOptions": lambda: Call(_core.SearchOptions, [25.0, 1.5, 1e-3]),
     "fit_hypotheses": evidence(fit_hypotheses, [FORMS, FORMS[:1]], False),
     "posterior": evidence(posterior, FORMS, PRIOR, [25.0, 1.5, 1e-3]),
-    "rank": lambda: Call(rank, ranking()),
     "preferred_form": lambda: Call(_core.preferred_form, [[0.0, -1.0], [1, 2], 1.5]),
-    "residual_variance": lambda: Call(_core.residual_variance, [products()[0].copy(), 50.0, 1.0, 1e-12, 3.0]),
-    "ridge_coefficients": lambda: Call(_core.ridge_coefficients, [products()[0].copy(), 50.0, 1e-12, 3.0]),
-    "mean_squares_left": lambda: Call(_core.mean_squares_left, [products(), 50.0, 1e-12, 3.0]),
-    "averaged_out": lambda: Call(
-        _core.averaged_out, [products(), [1], [0, 1, 2, 5], [0, 2], guard(np.ones(2))]
-    ),
-    "imitations": lambda: Call(
-        imitations, [products()[0].copy(), guard(np.eye(6)[1]), guard(np.eye(6)[2]), FORMS]
-    ),
-    "legendre_values": lambda: Call(_core.legendre_values, [column(), 0.5, 3.0, [1.0, 1.0]]),
-    "wave_values": lambda: Call(_core.wave_values, [column(), 24.0, [1.0, 1.0]]),
-    "spread": lambda: Call(_core.spread, [column()]),
     "Scanner": lambda: Call(_core.Scanner, [44, 2, True, False, [b"a,b"]]),
     "Scanner.scan": lambda: Call(_core.Scanner(44, 2, True, False, []).scan, [b'1,2\n3,"4\n', False]),
     "Lines.unread": lambda: Call(lines(b"1,2\n3,4,5\n").unread, []),
@@ -336,18 +299,13 @@ CALLS: dict[str, Callable[[], Call]] = {
         [column(), column().astype(np.float32), guard(np.zeros(ROWS, np.int16)), [b"\n"], 46],
         columns=(0, 1, 2),
     ),
-    "log_density": lambda: Call(_core.log_density, [column(), 4.0]),
-    "fitted_densities": lambda: Call(
-        _core.fitted_densities, [np.stack([column(), column()]), [4.0, np.inf], 0.0]
-    ),
-    "slips": lambda: Call(_core.slips, slips(), columns=(0, 1, 2, 3, 7)),
     "whitened": lambda: Call(
         _core.whitened, [0.5, 0.3, 0.9, column(), starts(), column()], columns=(3, 4, 5)
     ),
 }
 
 
-RESULTS = {"Firmware", "Sums", "HypothesisFit", "Outcome", "Posterior", "Ranking", "SlipFit", "Lines"}
+RESULTS = {"Firmware", "Sums", "HypothesisFit", "Outcome", "Posterior", "Lines"}
 """Classes that come from other calls alone."""
 
 

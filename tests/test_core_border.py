@@ -78,23 +78,10 @@ def _designed() -> Any:
     return _core.design_firmware(calls.model(), {**calls.firmware_request(), "assumed": [20.0]}, None)
 
 
-def _slips(**labels: Any) -> Any:
-    given = calls.slips()
-    given[2] = np.asarray(labels.get("cells", given[2]))
-    given[3] = np.asarray(labels.get("segments", given[3]))
-    return _core.slips(*given)
-
-
 def _fit(products: Any, forms: int = 3, **given: Any) -> Any:
     some = [[_core.Form(*calls.form(0, given.get("free", [1])))] * forms]
     weight = np.zeros(given.get("noises", 3))
     return _core.fit_hypotheses(products, weight, given.get("degrees", 50.0), 1e-12, some, False)
-
-
-def _ranked(**given: Any) -> Any:
-    names = ("hypotheses", "log_posterior", "covariances", "competing", "prior")
-    arguments = dict(zip(names, calls.ranking(), strict=True))
-    return calls.rank(**{**arguments, **given})
 
 
 _HUGE = np.full(calls.ROWS, 2**32 - 1, np.uint32)
@@ -129,17 +116,27 @@ REFUSED: dict[str, tuple[Callable[[], Any], type[Exception], str]] = {
         "levels has 1 rows, groups has 4",
     ),
     "a polynomial for ever": (
-        lambda: calls.columns().legendre(np.ones(calls.ROWS), 0.0, 1.0, 2**63, [1.0]),
+        lambda: calls.columns().legendre(np.ones(calls.ROWS), 0.0, 1.0, 2**63, [1.0], calls.LINES[:1]),
         ValueError,
         "9223372036854775809 degrees from 0 on; at most 1000",
     ),
+    "a polynomial without its line": (
+        lambda: calls.columns().legendre(np.ones(calls.ROWS), 0.0, 1.0, 1, [1.0], []),
+        ValueError,
+        "scales has 1 rows, lines has 0",
+    ),
+    "a wave without its means": (
+        lambda: calls.columns().waves(np.ones(calls.ROWS), 1.0, [1.0], calls.LINES),
+        ValueError,
+        "scales has 1 rows, means has 2",
+    ),
     "a polynomial too many": (
-        lambda: calls.columns().legendre(np.ones(calls.ROWS), 0.0, 1.0, 1000, [1.0]),
+        lambda: calls.columns().legendre(np.ones(calls.ROWS), 0.0, 1.0, 1000, [1.0], calls.LINES[:1]),
         ValueError,
         "1001 degrees from 0 on; at most 1000",
     ),
     "a wave too many": (
-        lambda: calls.columns().waves(np.ones(calls.ROWS), 1.0, [1.0] * 1001),
+        lambda: calls.columns().waves(np.ones(calls.ROWS), 1.0, [1.0] * 1001, [(0.0, 0.0)] * 1001),
         ValueError,
         "1001 multiples of a wave; at most 1000",
     ),
@@ -182,8 +179,6 @@ REFUSED: dict[str, tuple[Callable[[], Any], type[Exception], str]] = {
     ),
     "codes in the other byte order": (lambda: _evaluate(np.array([1], ">i8"), [1]), TypeError, "int64"),
     "air of one number": (_designed, TypeError, "FirmwareRequest.assumed"),
-    "a cell far away": (lambda: _slips(cells=[2**63 - 1] * 48), ValueError, "cells has label 92233"),
-    "a segment below nought": (lambda: _slips(segments=[-1] * 48), ValueError, "segments has label -1"),
     "combinations for ever": (
         lambda: _fit(calls.products(), 40),
         ValueError,
@@ -259,26 +254,6 @@ REFUSED: dict[str, tuple[Callable[[], Any], type[Exception], str]] = {
         ValueError,
         "degrees must be finite and above 0, but is 0",
     ),
-    "a rank of other hypotheses": (
-        lambda: _ranked(log_posterior=np.zeros(3)),
-        ValueError,
-        "hypotheses has 2 rows, log_posterior has 3",
-    ),
-    "a covariance of other columns": (
-        lambda: _ranked(covariances=[np.eye(4), np.eye(2)]),
-        ValueError,
-        "hypothesis 1 has 1 free columns, but its covariance is 2 by 2",
-    ),
-    "a log posterior that is no number": (
-        lambda: _ranked(log_posterior=np.array([0.0, np.nan])),
-        ValueError,
-        "hypothesis 1 has a log posterior of NaN",
-    ),
-    "more causes than compete": (
-        lambda: _ranked(competing=2),
-        ValueError,
-        "hypothesis 0 has 3 causes, but 2 compete",
-    ),
 }
 
 
@@ -339,7 +314,7 @@ def test_what_the_core_found_cannot_be_changed() -> None:
 def test_a_refused_column_leaves_the_others_alone() -> None:
     columns = calls.columns()
     before = columns.gram()
-    for call in (columns.store, lambda c: columns.legendre(c, 0.0, 1.0, 1, [1.0])):
+    for call in (columns.store, lambda c: columns.legendre(c, 0.0, 1.0, 1, [1.0], calls.LINES[:1])):
         with pytest.raises(ValueError, match="column has 5 rows"):
             call(np.ones(5))
     np.testing.assert_array_equal(columns.gram(), before)
@@ -349,8 +324,8 @@ def test_the_last_degree_and_wave_are_allowed() -> None:
     columns = calls.columns()
     before = len(columns)
     values = np.linspace(0.0, 1.0, calls.ROWS)
-    columns.legendre(values, 0.0, 1.0, 999, [1.0])
-    columns.waves(values, 1.0, [1.0] * 1000)
+    columns.legendre(values, 0.0, 1.0, 999, [1.0], calls.LINES[:1])
+    columns.waves(values, 1.0, [1.0] * 1000, [(0.0, 0.0)] * 1000)
     assert len(columns) == before + 1 + 2 * 1000
 
 

@@ -153,13 +153,6 @@ class Posterior:
     @property
     def systems(self) -> int: ...
 
-@final
-class Ranking:
-    @property
-    def probability(self) -> _Column: ...
-    @property
-    def sets(self) -> list[tuple[list[int | None], float]]: ...
-
 def fit_hypotheses(
     products: NDArray[np.float64],
     log_weight: NDArray[np.float64],
@@ -177,67 +170,7 @@ def posterior(
     prior: Prior,
     options: SearchOptions,
 ) -> Posterior: ...
-def rank(
-    hypotheses: list[list[Form]],
-    log_posterior: NDArray[np.float64],
-    covariances: list[NDArray[np.floating[Any]]],
-    competing: int,
-    prior: Prior,
-) -> Ranking: ...
 def preferred_form(log_odds: list[float], coefficients: list[int], form_preference: float) -> int: ...
-def residual_variance(
-    products: NDArray[np.float64], degrees: float, variance: float, variance_floor: float, ridge_width: float
-) -> float: ...
-def ridge_coefficients(
-    products: NDArray[np.float64], degrees: float, variance_floor: float, ridge_width: float
-) -> _Column: ...
-def mean_squares_left(
-    products: NDArray[np.float64], degrees: float, variance_floor: float, ridge_width: float
-) -> _Column: ...
-def averaged_out(
-    products: NDArray[np.float64],
-    columns: Sequence[int],
-    kept: Sequence[int],
-    place: Sequence[int],
-    variance: NDArray[np.float64],
-) -> tuple[NDArray[np.float64], _Column]: ...
-def imitations(
-    products: NDArray[np.floating[Any]],
-    signal: NDArray[np.floating[Any]],
-    beside: NDArray[np.floating[Any]],
-    forms: Sequence[Form],
-) -> tuple[_Column, _Column]: ...
-def legendre_values(
-    values: NDArray[np.float64], low: float, high: float, scales: list[float]
-) -> NDArray[np.float64]: ...
-def wave_values(values: NDArray[np.float64], period: float, scales: list[float]) -> NDArray[np.float64]: ...
-def spread(values: NDArray[np.float64]) -> _Column: ...
-def log_density(values: NDArray[np.float64], freedom: float) -> NDArray[np.float64]: ...
-def fitted_densities(
-    values: NDArray[np.float64], freedoms: Sequence[float], least: float
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]: ...
-def slips(
-    left: NDArray[np.float64],
-    step: NDArray[np.float64],
-    cells: NDArray[np.int64],
-    segments: NDArray[np.int64],
-    orders: list[float],
-    freedom: float,
-    spread: float,
-    level: NDArray[np.float64],
-    scale: float,
-) -> SlipFit: ...
-
-@final
-class SlipFit:
-    @property
-    def log(self) -> float: ...
-    @property
-    def level(self) -> _Column: ...
-    @property
-    def scale(self) -> float: ...
-    @property
-    def weights(self) -> NDArray[np.float64]: ...
 
 @final
 class Columns:
@@ -264,9 +197,21 @@ class Columns:
         scale: float,
     ) -> int: ...
     def legendre(
-        self, column: NDArray[np.float64], low: float, high: float, first: int, scales: list[float]
+        self,
+        column: NDArray[np.float64],
+        low: float,
+        high: float,
+        first: int,
+        scales: list[float],
+        lines: list[tuple[float, float]],
     ) -> list[int]: ...
-    def waves(self, column: NDArray[np.float64], period: float, scales: list[float]) -> list[int]: ...
+    def waves(
+        self,
+        column: NDArray[np.float64],
+        period: float,
+        scales: list[float],
+        means: list[tuple[float, float]],
+    ) -> list[int]: ...
     def settle(self) -> None: ...
     def combined(self, chosen: list[tuple[int, float]]) -> NDArray[np.float64]: ...
     def made(self, chosen: list[int], rows: NDArray[np.uintp] | None = None) -> NDArray[np.float64]: ...

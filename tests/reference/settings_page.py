@@ -68,9 +68,9 @@ CORE = (
         "widths of the mixture of priors of a size (Eq. 6); measured on a prototype (method/evidence.md)",
     ),
     (
-        "VISIBLE",
+        "_VISIBLE",
         "sd of the noise",
-        "search/ranking.rs",
+        "selection/parsimony.py",
         "a cause whose signal, summed over rows, is smaller counts as absent (Eq. 21); chosen by hand",
     ),
     ("EXTENDED", "sets", "search/pruning.rs", "best sets to which a further cause is added; chosen by hand"),

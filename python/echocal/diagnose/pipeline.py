@@ -20,9 +20,8 @@ from echocal.diagnose.inference.weigh_steps import weigh_steps
 from echocal.diagnose.matters import Matters
 from echocal.diagnose.noises.common.convection import convections
 from echocal.diagnose.noises.common.growing import NOISE_GROWTH, growth_of, with_growing_noise
-from echocal.diagnose.noises.common.offsets import without_offsets
+from echocal.diagnose.noises.common.offsets import without_offsets, without_rows_off
 from echocal.diagnose.noises.common.posterior import NoisePosterior, infer_noises
-from echocal.diagnose.noises.common.rows_off import without_rows_off
 from echocal.diagnose.noises.common.scattered_rows import without_scattered_rows
 from echocal.diagnose.noises.registry import not_imitated
 from echocal.diagnose.preprocess.folds import Folds
@@ -153,12 +152,13 @@ def examined(reading: Reading, request: Request, work: Steps) -> Examined:
                 tried = tuple(noise for noise in tried if noise.facts.id != NOISE_GROWTH)
                 shares = infer_noises(case, inference.fits, inference.reduced, tried)
             elif off := without_rows_off(case, inference, shares, tried):
-                case, inference = _with_convection(off.case, off.inference)
-                tried = tuple(noise for noise in tried if noise is not off.noise)
+                less, noise = off
+                case, inference = _with_convection(less.case, less.inference)
+                tried = tuple(other for other in tried if other is not noise)
                 shares = infer_noises(case, inference.fits, inference.reduced, tried)
-                offsets.append(off.finding)
-            elif (less := without_scattered_rows(case, inference, shares)) is not None:
-                case, inference = _with_convection(*less)
+                offsets.append(less.finding)
+            elif (scattered := without_scattered_rows(case, inference, shares)) is not None:
+                case, inference = _with_convection(*scattered)
                 shares = infer_noises(case, inference.fits, inference.reduced, tried)
             if grows := growth_of(case, inference):
                 offsets.append(grows)

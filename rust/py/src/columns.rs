@@ -3,11 +3,9 @@
 use echocal_core::batch::{Numbers, available_threads};
 use echocal_core::model::Term;
 use echocal_core::{Model, Quantity};
-use echocal_infer::columns::{
-    BasisFunction, Columns, Distinct, Level, Recipe, legendre_lines, wave_means,
-};
-use echocal_infer::gram::gram;
-use echocal_infer::noise::{NoiseCorrelation, TableSums};
+use echocal_infer::columns::{BasisFunction, Columns, Distinct, Level, Recipe};
+use echocal_infer::gram::{LagProducts, RowLayout};
+use echocal_infer::noise::{Correlation, NoiseCorrelation, TableSums, White};
 use numpy::prelude::*;
 use numpy::{PyArray1, PyArray2};
 use pyo3::exceptions::PyValueError;
@@ -123,8 +121,9 @@ impl CoreColumns {
         Ok(self.keep(Recipe::Tangent(term, level, position, scale)))
     }
 
-    /// Legendre polynomials of a column between two values, one per scale from the first degree on;
-    /// less their means and, from the second degree on, less the straight line.
+    /// Legendre polynomials of a column between two values, one per scale from the first degree on; less
+    /// a straight line each, given by its value at 0 and its slope.
+    #[allow(clippy::too_many_arguments)] // as Python sees it
     fn legendre(
         &mut self,
         py: Python<'_>,
@@ -133,29 +132,22 @@ impl CoreColumns {
         high: f64,
         first: usize,
         scales: Vec<f64>,
+        lines: Vec<(f64, f64)>,
     ) -> PyResult<Vec<usize>> {
-        let between = (low, high);
         let last = first.saturating_add(scales.len());
         at_most("degrees from 0 on", last, MOST_FUNCTIONS)?;
+        same_length(&[("scales", scales.len()), ("lines", lines.len())])?;
         let of = self.hold(py, column)?;
-        let recipes: Vec<Recipe> = self.using(py, |columns| {
-            let degrees = first..first + scales.len();
-            let lines = legendre_lines(degrees.clone(), columns.stored[of], between, first > 1);
-            let each = scales.into_iter().zip(degrees).zip(lines);
-            each.map(|((scale, degree), line)| {
-                let function = BasisFunction::Legendre {
-                    degree,
-                    between,
-                    line,
-                };
-                Recipe::Of(of, function, scale)
-            })
-            .collect()
-        })?;
-        Ok(recipes
-            .into_iter()
-            .map(|recipe| self.keep(recipe))
-            .collect())
+        let each = scales.into_iter().zip(lines).zip(first..);
+        let made = each.map(|((scale, line), degree)| {
+            let function = BasisFunction::Legendre {
+                degree,
+                between: (low, high),
+                line,
+            };
+            self.keep(Recipe::Of(of, function, scale))
+        });
+        Ok(made.collect())
     }
 
     /// Sine and cosine of multiples of a column's phase in its period, from the first on, one pair per
@@ -166,12 +158,11 @@ impl CoreColumns {
         column: Held,
         period: f64,
         scales: Vec<f64>,
+        means: Vec<(f64, f64)>,
     ) -> PyResult<Vec<usize>> {
         at_most("multiples of a wave", scales.len(), MOST_FUNCTIONS)?;
+        same_length(&[("scales", scales.len()), ("means", means.len())])?;
         let of = self.hold(py, column)?;
-        let means = self.using(py, |columns| {
-            wave_means(scales.len(), columns.stored[of], period)
-        })?;
         let mut kept = Vec::new();
         for (k, (scale, means)) in scales.into_iter().zip(means).enumerate() {
             for (mean, cosine) in [(means.0, false), (means.1, true)] {
@@ -226,10 +217,29 @@ impl CoreColumns {
         Ok(PyArray1::from_vec(py, found))
     }
 
-    /// Products of every pair of columns from a position on, summed over all rows.
+    /// Products of every pair of columns, summed over all rows.
     fn gram<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let width = self.recipes.len();
-        let found = self.using(py, |columns| gram(columns, available_threads()))?;
+        let found = self.using(py, |columns| {
+            let rows = columns.distance.len();
+            let (starts, none) = (vec![true; rows], vec![0; rows]);
+            let one = RowLayout {
+                starts: &starts,
+                blocks: &none,
+                cells: &none,
+                distance: columns.distance,
+                block_count: 1,
+                cell_count: 1,
+            };
+            let sums = White::gather(columns, &one, &[White], available_threads()).pop();
+            sums.map_or_else(
+                Vec::new,
+                |LagProducts {
+                     blocks: [.., first],
+                     ..
+                 }| first,
+            )
+        })?;
         PyArray1::from_vec(py, found).reshape([width, width])
     }
 

@@ -1,6 +1,6 @@
 //! What the inference is given and what it finds, as classes that cannot be changed.
 
-use echocal_infer::search::{Outcome, Posterior, Prior, Ranking, SearchOptions};
+use echocal_infer::search::{Outcome, Posterior, Prior, SearchOptions};
 use echocal_infer::solve::{HypothesisFit, Variant};
 use numpy::prelude::*;
 use numpy::{Element, PyArray, PyArray1, PyArray2};
@@ -256,23 +256,5 @@ impl CorePosterior {
             noises: found.noises,
             systems: found.systems,
         })
-    }
-}
-
-/// Probabilities of hypotheses and of sets of causes.
-#[pyclass(name = "Ranking", module = "echocal._core", frozen, get_all)]
-pub struct CoreRanking {
-    /// Of each hypothesis; the sum is one.
-    probability: Py<PyArray1<f64>>,
-    /// Of each set of causes, None for an unexplained term; most probable first; the sum is one.
-    sets: Vec<(Vec<Option<usize>>, f64)>,
-}
-
-impl CoreRanking {
-    pub fn of(py: Python<'_>, found: Ranking) -> Self {
-        Self {
-            probability: frozen(&PyArray1::from_vec(py, found.probability)),
-            sets: found.sets,
-        }
     }
 }

@@ -5,7 +5,6 @@ use pyo3::prelude::*;
 mod batch;
 mod border;
 mod columns;
-mod columns_basis;
 mod columns_layout;
 mod domain;
 mod errors;
@@ -16,7 +15,6 @@ mod infer_checks;
 mod infer_classes;
 mod laws;
 mod model;
-mod noise;
 mod registry;
 mod sums;
 mod text;
@@ -40,27 +38,19 @@ mod _core {
     #[pymodule_export]
     use super::columns::CoreColumns;
     #[pymodule_export]
-    use super::columns_basis::{legendre_values, spread, wave_values};
-    #[pymodule_export]
     use super::domain::{departure, departure_names, departures};
     #[pymodule_export]
     use super::firmware::{
         CoreFirmware, design_firmware, echo_times, firmware_targets, output_units,
     };
     #[pymodule_export]
-    use super::infer::{
-        averaged_out, fit_hypotheses, imitations, mean_squares_left, posterior, preferred_form,
-        rank, residual_variance, ridge_coefficients,
-    };
+    use super::infer::{fit_hypotheses, posterior, preferred_form};
     #[pymodule_export]
     use super::infer_classes::{
-        CoreForm, CoreHypothesisFit, CoreOutcome, CorePosterior, CorePrior, CoreRanking,
-        CoreSearchOptions,
+        CoreForm, CoreHypothesisFit, CoreOutcome, CorePosterior, CorePrior, CoreSearchOptions,
     };
     #[pymodule_export]
     use super::model::CoreModel;
-    #[pymodule_export]
-    use super::noise::{CoreSlipFit, fitted_densities, log_density, slips};
     #[pymodule_export]
     use super::registry::{effects, laws, quantities};
     #[pymodule_export]

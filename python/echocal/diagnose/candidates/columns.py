@@ -3,17 +3,34 @@
 from collections.abc import Mapping, Sequence
 
 import numpy as np
+from numpy.polynomial.legendre import legvander
 from numpy.typing import NDArray
 
 from echocal import _core
 from echocal.diagnose.preprocess.order import Order
 from echocal.model import Model
+from echocal.observations.quantiles import spread
 from echocal.quantities import QUANTITIES
 
-__all__ = ["Columns"]
+__all__ = ["Columns", "legendre", "waves"]
 
 Column = NDArray[np.float64]
 Labels = NDArray[np.int64]
+
+
+_CLIP = 1.5  # scaled values are cut off there, as in rust/infer: far ones must not bend a curve
+
+
+def legendre(values: Column, low: float, high: float, last: int) -> Column:
+    """Legendre polynomials of values that are scaled to -1..1 between two others, a line for each degree."""
+    scaled = (2.0 * values - low - high) / max(high - low, 1e-300)
+    return np.asarray(legvander(np.clip(scaled, -_CLIP, _CLIP), last).T)
+
+
+def waves(values: Column, period: float, count: int) -> list[tuple[Column, Column]]:
+    """Sine and cosine of so many multiples of the phase of values, from the first on."""
+    turns = 2.0 * np.pi * (values / period % 1.0)
+    return [(np.sin(k * turns), np.cos(k * turns)) for k in range(1, count + 1)]
 
 
 class Columns:
@@ -108,7 +125,12 @@ class Columns:
         first : int, default: 1
             Lowest degree. If it is 2, the straight line that fits best is subtracted from each.
         """
-        return self._core.legendre(np.ascontiguousarray(column), low, high, first, list(scales))
+        some = spread(column)
+        functions = legendre(some, low, high, first + len(scales) - 1)[first:].T
+        (flat, line), last = legendre(some, low, high, 1), min(first, 2)
+        fitted = np.linalg.lstsq(np.stack([flat, line][:last], axis=1), functions)[0]
+        lines = [(float(one[0]), float(one[1]) if last > 1 else 0.0) for one in fitted.T]
+        return self._core.legendre(np.ascontiguousarray(column), low, high, first, list(scales), lines)
 
     def waves(self, column: Column, period: float, scales: Sequence[float]) -> list[int]:
         """Add sine and cosine of multiples of the phase of a column, without their means.
@@ -119,7 +141,9 @@ class Columns:
         scales : sequence of float
             Factor of each multiple, from the first on.
         """
-        return self._core.waves(np.ascontiguousarray(column), period, list(scales))
+        each = waves(spread(column), period, len(scales))
+        means = [(float(sine.mean()), float(cosine.mean())) for sine, cosine in each]
+        return self._core.waves(np.ascontiguousarray(column), period, list(scales), means)
 
     def settle(self) -> None:
         """Subtract from each column what unknown levels fit, once all columns are added."""

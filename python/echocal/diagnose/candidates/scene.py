@@ -16,8 +16,6 @@ __all__ = ["Scene"]
 
 Column = NDArray[np.float64]
 
-_CACHED = 8192  # rows of a block whose columns fit into the cache of a processor
-
 
 @dataclass(frozen=True)
 class Scene:
@@ -55,30 +53,11 @@ class Scene:
 
         An onset in time is visible in it, even if other effects act.
         """
-        warm = np.asarray(self.conditions.get("temperature", 0.0))
-        mean, spread = np.mean(warm), max(float(np.std(warm)), 1e-12)
-        firsts = range(0, len(self.distance), _CACHED)
-
-        def design(first: int) -> Column:
-            rows = slice(first, first + _CACHED)
-            distance = self.distance[rows]
-            scaled = ((warm[rows] if warm.ndim else warm) - mean) / spread
-            columns = np.empty((4, len(distance)))
-            columns[0], columns[1] = 1.0, distance
-            for power in (2, 3):  # the distance times the temperature, once and twice
-                np.multiply(columns[power - 1], scaled, out=columns[power])
-            return columns
-
-        among, along = np.zeros((4, 4)), np.zeros(4)
-        for first in firsts:
-            columns = design(first)
-            among += columns @ columns.T
-            along += columns @ self.residual[first : first + _CACHED]
-        found = np.linalg.lstsq(among, along, rcond=1e-9)[0]
-        left = self.residual.copy()
-        for first in firsts:
-            left[first : first + _CACHED] -= found @ design(first)
-        return left
+        warm = np.asarray(self.conditions.get("temperature", np.zeros(len(self.distance))))
+        warm = (warm - np.mean(warm)) / max(float(np.std(warm)), 1e-12)
+        design = np.stack([np.ones_like(warm), *(self.distance * warm**power for power in range(3))])
+        sizes = np.linalg.lstsq(design @ design.T, design @ self.residual, rcond=1e-9)[0]
+        return np.asarray(self.residual - sizes @ design)
 
     def columns(self) -> Columns:
         """An empty set of columns of the table."""

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal import _core
+from echocal.diagnose.candidates.columns import legendre, waves
 from echocal.diagnose.candidates.variant import UNKNOWN, Candidates, Variant
 from echocal.diagnose.settings import TermSettings
 from echocal.observations.quantiles import quantiles, spread
@@ -62,8 +62,12 @@ class Basis:
         docs/method/rows-and-candidates.md, Eq. 2a, times their scales, with their means [m].
         """
         if self.against == HOUR:
-            return list(_core.wave_values(values, 24.0, _harmonics(self.settings)))
-        return list(_core.legendre_values(values, self.low, self.high, _scales(self.settings)))
+            scales = _harmonics(self.settings)
+            each = zip(scales, waves(values, 24.0, len(scales)), strict=True)
+            return [size * wave for size, pair in each for wave in pair]
+        scales = _scales(self.settings)
+        functions = legendre(values, self.low, self.high, len(scales))[1:]
+        return [size * function for size, function in zip(scales, functions, strict=True)]
 
 
 def _scales(settings: TermSettings) -> list[float]:
@@ -139,8 +143,8 @@ def term_candidates(
         found.line = replace(_term(line, ""), scales=(settings.size,) * len(line))
     elapsed = against.get("time")
     if elapsed is not None and np.isfinite(elapsed).all() and np.ptp(elapsed) > _FEWEST_DAYS * _DAY:
-        waves = found.columns.waves(elapsed, _DAY, _harmonics(settings))
-        found.variants.append(_term(waves, HOUR))
+        daily = found.columns.waves(elapsed, _DAY, _harmonics(settings))
+        found.variants.append(_term(daily, HOUR))
 
 
 def degrees_of(column: Column, settings: TermSettings, *, further: bool = False) -> int:

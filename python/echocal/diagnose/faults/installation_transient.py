@@ -86,8 +86,6 @@ class _Beginning:
 
     Attributes
     ----------
-    count : int
-    log_bayes : float
     off, usual : float
         Deviation of these rows from those after them, and of other stretches of the log [m].
     """

@@ -6,13 +6,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal import _core
 from echocal.diagnose.candidates.variant import Variant
 from echocal.diagnose.inference.hypothesis import HypothesisFit
 from echocal.diagnose.settings.claims import ClaimSettings
 from echocal.diagnose.settings.priors import WIDEST
 
 __all__ = ["Geometry"]
+
+_ROUNDING = 1e-12  # part of the squares below which columns are the same but for rounding
 
 Systematic = Sequence[tuple[int, float]]
 Matrix = NDArray[np.floating[Any]]
@@ -93,10 +94,50 @@ class Geometry:
             made by one of them and a third, though no two of them are similar.
         settings : ClaimSettings
         """
-        forms = [(cause, variant.form) for cause, variants in others.items() for variant in variants]
-        left, size = _core.imitations(self.products, signal, beside, [form for _, form in forms])
+        forms = [variant for variants in others.values() for variant in variants]
+        left, size = self._imitations(signal, beside, forms)
         alike = (left < settings.separable) & (size <= settings.plausible_size)
-        return list(dict.fromkeys(forms[at][0] for at in np.flatnonzero(alike)))
+        return list(dict.fromkeys(forms[at].cause for at in np.flatnonzero(alike)))
+
+    def _imitations(self, signal: Matrix, beside: Matrix, forms: Sequence[Variant]) -> tuple[Matrix, Matrix]:
+        """Log odds that remain against the imitation of a signal by each form, and the largest size it needs.
+
+        At sizes within the bounds of the form: a cause that only warms imitates nothing that cools. What
+        stays gives way as far as it can, and its size counts where it becomes larger than it was.
+        """
+        products, stays, along = self.products, np.flatnonzero(beside), self.products @ signal
+        left, needed = np.empty((2, len(forms)))
+        alike: dict[tuple[bool, int], list[int]] = {}
+        for at, form in enumerate(forms):
+            alike.setdefault((form.offset is None, len(form.free)), []).append(at)
+        for (bare, own), places in alike.items():
+            some = [forms[at] for at in places]
+            offset = [form.offset for form in some if form.offset is not None]
+            toward = np.broadcast_to(along if bare else along - products[offset], (len(some), len(along)))
+            square = signal @ along - (0.0 if bare else 2.0 * along[offset] - products[offset, offset])
+            free = np.array([[*form.free, *stays] for form in some], dtype=np.int64)
+            among = products[free[:, :, None], free[:, None, :]]
+            target = np.take_along_axis(toward, free, axis=1)
+            bounds = np.array([form.bounds for form in some]).reshape(len(some), own, 2)
+            size = _least_squares(among, target)
+            within = np.clip(size[:, :own], bounds[..., 0], bounds[..., 1])
+            if (out := (within != size[:, :own]).any(axis=1)).any():
+                rest = target[out, own:] - np.einsum("fij,fj->fi", among[out, own:, :own], within[out])
+                size[out, own:] = _least_squares(among[out, own:, own:], rest)
+                size[:, :own] = within
+            taken = (size * (2.0 * target - np.einsum("fij,fj->fi", among, size))).sum(axis=1)
+            after, before = np.abs(beside[stays] + size[:, own:]), np.abs(beside[stays])
+            sizes = np.concatenate([np.abs(within), np.where(after > before, after, 0.0)], axis=1)
+            left[places] = 0.5 * np.maximum(square - taken, 0.0)
+            needed[places] = sizes.max(axis=1) if sizes.shape[1] else 1.0
+        return left, needed
+
+
+def _least_squares(among: Matrix, along: Matrix) -> Matrix:
+    """Sizes of some columns that leave the least, for each of several sets of columns."""
+    ridge = _ROUNDING * np.trace(among, axis1=1, axis2=2) + np.finfo(float).tiny
+    whole = among + ridge[:, None, None] * np.eye(among.shape[-1])
+    return np.asarray(np.linalg.solve(whole, along[..., None])[..., 0])
 
 
 def _errors(systematic: Systematic) -> tuple[list[int], Matrix]:

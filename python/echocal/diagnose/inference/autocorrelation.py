@@ -5,14 +5,13 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal import _core
 from echocal.diagnose.candidates.columns import Columns
 from echocal.diagnose.inference.innovation import log_likelihood
-from echocal.diagnose.inference.noise import VARIANCE_FLOOR, WHITE, Noise, NoiseCorrelation
+from echocal.diagnose.inference.least_squares import ridge
+from echocal.diagnose.inference.noise import WHITE, Noise, NoiseCorrelation
 from echocal.diagnose.inference.sums import Sums
 from echocal.diagnose.preprocess.order import Order
 from echocal.diagnose.settings.noise_models import NoiseModelSettings
-from echocal.diagnose.settings.priors import WIDEST
 
 __all__ = ["at_first", "that_may_be_there"]
 
@@ -59,7 +58,7 @@ def that_may_be_there(
     if sums.order.starts.all():
         return []
     products, order = sums.whiten(Noise(0.0, 0.0, 0.0, 1.0)).products, sums.order
-    sizes = _core.ridge_coefficients(products, sums.degrees(), VARIANCE_FLOOR**2, WIDEST)
+    sizes, _ = ridge(products, sums.degrees())
     used = np.flatnonzero(sizes)
     left = residual - columns.combined((1 + used).tolist(), sizes[used])
     rows = _sample(len(left))

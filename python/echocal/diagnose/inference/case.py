@@ -8,17 +8,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal import _core
 from echocal.diagnose.candidates.columns import Columns
 from echocal.diagnose.candidates.variant import Candidates, Variant
 from echocal.diagnose.inference.hypothesis import Hypothesis, HypothesisFit, Stack
-from echocal.diagnose.inference.noise import VARIANCE_FLOOR, Convection, Noise, NoiseCorrelation, noises
+from echocal.diagnose.inference.least_squares import averaged_out, ridge
+from echocal.diagnose.inference.noise import Convection, Noise, NoiseCorrelation, noises
 from echocal.diagnose.inference.sums import Sums
 from echocal.diagnose.preprocess.base import Base
 from echocal.diagnose.preprocess.folds import Folds
 from echocal.diagnose.preprocess.table import Table
 from echocal.diagnose.settings import Settings
-from echocal.diagnose.settings.priors import WIDEST
 
 __all__ = ["Case"]
 
@@ -183,15 +182,11 @@ class Case:
         products, log_weight = self.sums.whiten_all(each, blocks)
         # the columns are of one kelvin; without a difference, none is taken out
         with np.errstate(divide="ignore"):
-            variance = self._mean_squares_left(products, degrees)[at] / kelvin**2
+            variance = ridge(products, degrees)[1][at] / kelvin**2
         own, every = self.found.slow_air, range(products.shape[-1])
-        products, more = _core.averaged_out(products, own, every, at, variance)
+        products, more = averaged_out(products, own, every, at, variance)
         priors = np.log([noise.prior for noise in noises])
         return Stack(products, log_weight[at] + priors + more, degrees, noises)
-
-    def _mean_squares_left(self, products: NDArray[np.float64], degrees: int) -> NDArray[np.float64]:
-        """Mean square of what all columns together leave of the last one, under each noise [m^2]."""
-        return _core.mean_squares_left(products, degrees, VARIANCE_FLOOR**2, WIDEST)
 
     def without_slow_air(self, products: NDArray[np.float64]) -> NDArray[np.float64]:
         """Products in which air that differs from the thermometer explains nothing: the same, changed."""
@@ -213,7 +208,7 @@ class Case:
             columns.store(column)
         order, last = self.sums.order, len(own) + 1
         sums = Sums.gather(columns, order, self.folds.blocks, [noise.correlation])
-        products, degrees = sums.whiten(noise, blocks).products, sums.degrees(blocks)
-        (variance,) = self._mean_squares_left(products[None], degrees)
+        products = sums.whiten(noise, blocks).products
+        variance = ridge(products, sums.degrees(blocks))[1]
         among = products[1:last, 1:last] + variance / noise.slow_air**2 * np.eye(len(own))
         return np.asarray(np.linalg.solve(among, products[1:last, last]) @ parts)

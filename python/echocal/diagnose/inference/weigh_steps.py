@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import gammaln, logsumexp
 
-from echocal import _core
 from echocal.diagnose.candidates.variant import Variant
 from echocal.diagnose.inference.case import Case
 from echocal.diagnose.inference.examine import examine
 from echocal.diagnose.inference.hypothesis import Hypothesis, HypothesisFit, Stack, fit_hypothesis
+from echocal.diagnose.inference.least_squares import averaged_out
 from echocal.diagnose.inference.noise import VARIANCE_FLOOR
 from echocal.diagnose.inference.posterior import core_prior, posterior
 from echocal.diagnose.preprocess.base import Base
@@ -174,7 +174,7 @@ class _Tried:
         kept = range(last + 1) if columns is None else [0, *columns, last]
         noises = len(self.products)
         variance = np.full(noises, self.variance)
-        products, more = _core.averaged_out(self.products, own, kept, range(noises), variance)
+        products, more = averaged_out(self.products, own, kept, list(range(noises)), variance)
         log_weight = self.log_weight + self._log_prior(steps) + more
         return Stack(products, log_weight, self.degrees, self.case.noises)
 

@@ -5,10 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal import _core
 from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
 from echocal.diagnose.noises.common.kinds import FittedNoise
-from echocal.diagnose.noises.common.trace import Likelihood, Trace, group_medians, log_density
+from echocal.diagnose.noises.common.trace import Likelihood, Trace, group_medians
+from echocal.diagnose.preprocess.density import log_density, weight
 from echocal.diagnose.preprocess.row_mixture import PERIOD
 from echocal.diagnose.settings.noises import NoiseSettings
 from echocal.diagnose.settings.threshold import threshold
@@ -24,6 +24,8 @@ _EITHER = (-2, -1, 0, 1, 2)  # around the level of a segment, which may itself h
 _KERNELS = (np.inf, 4.0)
 _PER_CELL = 60  # rows from which on a distance has probabilities of its own
 _CELLS = 8
+_ROUNDS, _GAIN = 40, 1e-3  # of the EM algorithm, at most, and the log likelihood that a round must add
+_LEAST, _FINEST = 1e-12, 1e-5  # probability that a group keeps, and scatter of a group [m]
 _TRACE = 5e-3  # part of the rows below which a component costs nothing and says nothing
 
 
@@ -215,17 +217,45 @@ def _mixture(trace: Trace, step: Column, groups: _Groups, freedom: float, own: T
     )
     first = max(0.25 * float(np.median(step)), 1e-4)
     spread = own.level if leveled else 0.0
-    found = _core.slips(
-        left, step, cells, segment, [float(order) for order in orders], freedom, spread, level, first
-    )
+    log, weights, scale, level = _fitted(left, step, groups, freedom, (level, first, spread))
     rows, members = np.bincount(cells), np.bincount(segment)
-    used = (found.weights > _TRACE).sum(axis=1) - 1
+    used = (weights > _TRACE).sum(axis=1) - 1
     cost = 0.5 * float((used * np.log(rows)).sum()) + 0.5 * np.log(len(left))
     if leveled:  # a level of its own costs what its prior spreads it over
-        levels = np.bincount(segment, found.level) / members
-        cost += 0.5 * float(np.log1p(members * (own.level / found.scale) ** 2).sum())
+        levels = np.bincount(segment, level) / members
+        cost += 0.5 * float(np.log1p(members * (own.level / scale) ** 2).sum())
         cost += 0.5 * float(np.sum((levels / own.level) ** 2))
-    return _Mixture(found.log - cost, found.weights, orders, found.scale, cells, freedom, found.level)
+    return _Mixture(log - cost, weights, orders, scale, cells, freedom, level)
+
+
+def _fitted(
+    left: Column, step: Column, groups: _Groups, freedom: float, start: tuple[Column, float, float]
+) -> tuple[float, Column, float, Column]:
+    """Log likelihood, probabilities by cell and order, scale, and level of each row [m], by EM.
+
+    From a level and a scale on; the last number of `start` is the prior standard deviation of a level, zero
+    where the levels are known.
+    """
+    (level, scale, spread), cells, segment = start, groups.cells, groups.segment
+    away, rows = left - step * np.array(groups.orders)[:, None], np.bincount(cells)
+    weights, log = np.full((len(rows), len(away)), 1.0 / len(away)), -np.inf
+    for _ in range(_ROUNDS):
+        off = away - level
+        part = log_density(off, scale, freedom) + np.log(weights + _LEAST).T[:, cells]
+        top = part.max(axis=0)
+        share = np.exp(part - top)
+        total = share.sum(axis=0)
+        before, log = log, float((np.log(total) + top).sum())
+        if log < before + _GAIN:
+            break
+        share /= total
+        pull = share * weight(off, scale, freedom)
+        if spread > 0.0:
+            toward, mass = (np.bincount(segment, each.sum(axis=0)) for each in (pull * away, pull))
+            level = (toward / (mass + (scale / spread) ** 2))[segment]
+        scale = max(float(np.sqrt((pull * off**2).sum() / len(left))), _FINEST)
+        weights = np.stack([np.bincount(cells, each) / rows for each in share], axis=1)
+    return log, weights, scale, level
 
 
 def draw(table: Columns, random: np.random.Generator) -> None:

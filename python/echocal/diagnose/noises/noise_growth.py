@@ -5,10 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal import _core
 from echocal.diagnose.findings.facts import CauseFacts, Columns, Quantity
 from echocal.diagnose.noises.common.kinds import FittedNoise
 from echocal.diagnose.noises.common.trace import KERNELS, Likelihood, Trace
+from echocal.diagnose.preprocess.density import fitted
 from echocal.diagnose.settings.noises import NoiseSettings
 from echocal.diagnose.settings.threshold import threshold
 
@@ -68,7 +68,8 @@ def fit(trace: Trace, settings: NoiseSettings) -> Likelihood | None:
     # an innovation depends on the row before, too: successive rows have nearly the same distance
     wide = 1 + np.outer(_GROWTH, distance)
     level, widening = trace.innovation / wide, np.log(wide).sum(axis=1)
-    scales, logs = _core.fitted_densities(level, KERNELS, trace.rounding)
+    fits = [fitted(level, freedom, trace.rounding) for freedom in KERNELS]
+    scales, logs = (np.array(each) for each in zip(*fits, strict=True))
     logs -= widening
     profile = np.logaddexp.reduce(logs, axis=0) - np.log(len(KERNELS))
     best = int(profile.argmax())

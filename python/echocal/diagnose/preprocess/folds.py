@@ -1,7 +1,6 @@
 """Blocks of rows, and the folds that hold them out."""
 
-from dataclasses import dataclass, field, replace
-from functools import cached_property
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,15 +30,12 @@ class Folds:
         Blocks that causes are selected on: all, but within a fold.
     scheme : str
         How the blocks are held out, in words.
-    known : dict
-        Rows of blocks that were requested before.
     """
 
     blocks: Labels
     held: tuple[Mask, ...]
     fit: Mask
     scheme: str
-    known: dict[bytes, Rows] = field(default_factory=dict, repr=False)
 
     @classmethod
     def of(cls, table: Table, settings: RowSettings) -> "Folds":
@@ -47,9 +43,8 @@ class Folds:
         count = settings.folds
         groups, reference = table.groups, table.reference
         if table.members is not None and reference is not None and not groups.any():
-            groups = np.unique(reference, return_inverse=True)[
-                1
-            ]  # nearly every visit has a distance of its own
+            # nearly every visit has a distance of its own
+            groups = np.unique(reference, return_inverse=True)[1]
         if reference is not None and int(groups.max()) + 1 >= count:
             blocks, by = groups % count, table.grouped_by or "station"
         else:
@@ -65,7 +60,7 @@ class Folds:
 
     def of_rows(self, unit: Labels) -> "Folds":
         """The same folds of the rows of units; `unit` is that of each row."""
-        return replace(self, blocks=self.blocks[unit], known={})
+        return replace(self, blocks=self.blocks[unit])
 
     def within(self, blocks: Mask) -> "Folds":
         """The same folds where only these blocks may be seen."""
@@ -84,24 +79,6 @@ class Folds:
 
     def rows(self, held: Mask) -> Rows:
         """Rows of the blocks in `held`: a slice where they are contiguous, which needs no copy."""
-        key = held.tobytes()
-        if key not in self.known:
-            self.known[key] = self._run(held) if self._ascending else self._mask(held)
-        return self.known[key]
-
-    @cached_property
-    def _ascending(self) -> bool:
-        """Whether the rows of each block follow those of the block before."""
-        return bool((self.blocks[1:] >= self.blocks[:-1]).all())
-
-    def _run(self, held: Mask) -> Rows:
-        """Rows of blocks, where blocks ascend."""
-        first, last = int(held.argmax()), len(held) - 1 - int(held[::-1].argmax())
-        if not held[first : last + 1].all():
-            return np.asarray(held[self.blocks])
-        return slice(int(self.blocks.searchsorted(first)), int(self.blocks.searchsorted(last, side="right")))
-
-    def _mask(self, held: Mask) -> Rows:
         mask = held[self.blocks]
         first, last = int(mask.argmax()), len(mask) - int(mask[::-1].argmax())
         return slice(first, last) if last - first == int(mask.sum()) else mask

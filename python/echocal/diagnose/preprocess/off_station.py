@@ -3,12 +3,11 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal.diagnose.preprocess.usable import Usable
 from echocal.diagnose.preprocess.wild import wild_beyond
 from echocal.diagnose.settings.rows import RowSettings
 from echocal.observations.quantiles import MAD_TO_SD, Grouped, median
 
-__all__ = ["OFF_STATION", "without_other_echoes"]
+__all__ = ["OFF_STATION", "far_from_station"]
 
 Column = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -65,29 +64,3 @@ def far_from_station(
     first = int(far.argmax())
     is_step = len(far) - first >= settings.fewest and far[first:].mean() > settings.as_a_whole
     return none if far.any() and is_step else np.asarray(far)
-
-
-def without_other_echoes(
-    usable: Usable,
-    labels: Labels,
-    temperature: Column | None,
-    settings: RowSettings,
-    step: float = 0.0,
-) -> Usable:
-    """Leave out rows of another echo.
-
-    Parameters
-    ----------
-    usable : Usable
-    labels : ndarray of int, shape (n,)
-        Station of each row.
-    temperature : ndarray, shape (n,), or None
-        Air temperature [degC].
-    settings : RowSettings
-    step : float
-        Step of the readings [m].
-    """
-    far = far_from_station(usable.indication, labels, temperature, settings, step)
-    if not far.any():
-        return usable
-    return usable.without(far, OFF_STATION)

@@ -6,7 +6,7 @@ import numpy as np
 
 from echocal.diagnose.preprocess.base import Base
 from echocal.diagnose.preprocess.level_steps import level_steps
-from echocal.diagnose.preprocess.off_station import without_other_echoes
+from echocal.diagnose.preprocess.off_station import OFF_STATION, far_from_station
 from echocal.diagnose.preprocess.outliers import without_far_rows
 from echocal.diagnose.preprocess.reference import reference_of
 from echocal.diagnose.preprocess.row_mixture import PERIOD
@@ -62,11 +62,12 @@ def prepare(
     step = 12**0.5 * max((rounding or {}).values(), default=0.0)
     usable, labels = without_far_rows(observations, usable, reference, settings, step), None
     if reference is not None and len(usable.rows):
-        warm, count = observations.conditions.get("temperature"), len(usable.rows)
+        warm = observations.conditions.get("temperature")
         labels = stations(observations, reference, usable.rows, settings)
         temperature = None if warm is None else some(warm, usable.rows)
-        usable = without_other_echoes(usable, labels, temperature, settings, step)
-        if len(usable.rows) < count:
+        far = far_from_station(usable.indication, labels, temperature, settings, step)
+        if far.any():
+            usable = usable.without(far, OFF_STATION)
             labels = stations(observations, reference, usable.rows, settings)
     rows, indication = usable.rows, usable.indication
     left_out = dict(sorted(usable.left_out.items()))

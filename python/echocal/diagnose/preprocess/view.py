@@ -16,12 +16,10 @@ from echocal.observations.quantization_grid import QuantizationGrid, find_grid
 __all__ = ["View", "least_absolute"]
 
 Column = NDArray[np.float64]
-Labels = NDArray[np.int64]
 Mask = NDArray[np.bool_]
 
 _ENOUGH = 20_000  # rows that are enough for a robust fit
 _MANY = 100_000  # rows that are enough for a robust center
-_CACHED = 32_768  # rows whose columns fit into the cache of a processor
 _ROUNDS = 12  # reweightings, for least absolute deviations to 0.1 %
 _WINDOW = 13  # rows whose median is the expectation where no reference is known
 _ANYHOW = 0.06  # of the distance: laws and thermometers are wrong by less
@@ -171,98 +169,37 @@ class View:
     def _bulk(self) -> Column:
         """Smooth part of reading less reference that most rows have [m]."""
         assert self.reference is not None
-        trend = _Trend.of(self.reference, self.temperature)
+        columns = _smooth(self.reference, self.temperature)
         error = self.indication - self.reference
-        sane = self.good & trend.known & np.isfinite(error) & (self.reference > 0)
+        sane = self.good & np.isfinite(error) & (self.reference > 0)
+        sane &= np.isfinite(columns).all(axis=0)
         known = np.flatnonzero(sane)
         some = known[:: max(1, len(known) // _MANY)]  # a few percent are accurate enough
         center = median(error[some]) if len(some) else 0.0
         scale = median(error[some] / self.reference[some]) if len(some) else 0.0
         sane &= _near(error, self.reference, center, scale)  # outliers must not have leverage
-        rows = known if sane.all() else np.flatnonzero(sane)
+        rows = np.flatnonzero(sane)
         rows = rows[:: max(1, len(rows) // _ENOUGH)]
-        if len(rows) < 3 * len(trend):
+        if len(rows) < 3 * len(columns):
             return np.full(len(self), float(np.median(error[rows])) if len(rows) else 0.0)
-        return trend.sum(least_absolute(trend.columns(rows), error[rows]))
+        return least_absolute(columns[:, rows], error[rows]) @ columns
 
 
-def _near(error: Column, reference: Column, center: float, scale: float) -> Mask | bool:
-    """Rows whose error is near a constant or near a part of the distance; `True` for all rows."""
-    most = max(center - float(np.fmin.reduce(error)), float(np.fmax.reduce(error)) - center)
-    if most < 0.999 * (_ANYHOW * float(np.fmin.reduce(reference)) + _NEAR):
-        return True
+def _near(error: Column, reference: Column, center: float, scale: float) -> Mask:
+    """Rows whose error is near a constant or near a part of the distance."""
     limit = _ANYHOW * reference + _NEAR
-    near = np.asarray(np.abs(error - center) < limit)
-    if not near.all():
-        near |= np.abs(error - scale * reference) < limit
-    return near
+    return np.asarray((np.abs(error - center) < limit) | (np.abs(error - scale * reference) < limit))
 
 
-@dataclass(frozen=True)
-class _Trend:
-    """Basis functions of distance and temperature that approximate the mean of most causes.
-
-    Attributes
-    ----------
-    distance : ndarray, shape (n,)
-    temperature : ndarray, shape (n,), or None
-        None if it is constant.
-    bends : bool
-        Whether there is more than one distance.
-    """
-
-    distance: Column
-    temperature: Column | None
-    bends: bool
-
-    @classmethod
-    def of(cls, distance: Column, temperature: Column | None) -> "_Trend":
-        finite = np.isfinite(distance)
-        bends = bool(finite.any() and np.ptp(distance if finite.all() else distance[finite]) > 0)
-        varies = temperature is not None and np.fmax.reduce(temperature) > np.fmin.reduce(temperature)
-        return cls(distance, temperature if varies else None, bends)
-
-    def __len__(self) -> int:
-        return 1 + 2 * self.bends + 2 * (self.temperature is not None)
-
-    @property
-    def known(self) -> Mask:
-        """Rows in which all basis functions are known."""
-        known = np.isfinite(self.distance)
-        return known if self.temperature is None else known & np.isfinite(self.temperature)
-
-    def _units(self, rows: Labels | slice) -> tuple[Column, Column | None]:
-        """Distance in units of 2 m and temperature in units of 25 K, of some rows."""
-        warm = None if self.temperature is None else self.temperature[rows] / 25.0
-        return self.distance[rows] / 2.0, warm
-
-    def columns(self, rows: Labels) -> Column:
-        """All basis functions at some rows, one per line."""
-        far, warm = self._units(rows)
-        columns = [np.ones_like(far), *([far, far**2] if self.bends else [])]
-        if warm is not None:
-            columns += [far * warm, far * warm**2]
-        return np.stack(columns)
-
-    def sum(self, coefficients: Column) -> Column:
-        """Sum of the basis functions times their coefficients, at all rows."""
-        whole = np.empty_like(self.distance)
-        for first in range(0, len(whole), _CACHED):
-            rows = slice(first, first + _CACHED)
-            whole[rows] = self._sum(coefficients, rows)
-        return whole
-
-    def _sum(self, coefficients: Column, rows: slice) -> Column:
-        level, *rest = coefficients.tolist()
-        far, warm = self._units(rows)
-        slope = np.full(len(far), rest[0]) if self.bends else np.zeros(len(far))
-        if self.bends:
-            slope += rest[1] * far
-        if warm is not None:
-            slope += (rest[-1] * warm + rest[-2]) * warm
-        slope *= far
-        slope += level
-        return slope
+def _smooth(distance: Column, temperature: Column | None) -> Column:
+    """Basis functions of distance and temperature that approximate the mean of most causes, one per line."""
+    far = distance / 2.0
+    columns = [np.ones_like(far)]
+    if np.fmax.reduce(far) > np.fmin.reduce(far):
+        columns += [far, far**2]
+    if temperature is not None and np.fmax.reduce(temperature) > np.fmin.reduce(temperature):
+        columns += [far * (temperature / 25.0) ** power for power in (1, 2)]
+    return np.stack(columns)
 
 
 def least_absolute(columns: Column, values: Column) -> Column:

@@ -3,6 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from echocal.diagnose.preprocess.density import log_density
 from echocal.diagnose.settings.rows import RowSettings
 
 __all__ = ["wild_beyond"]
@@ -50,24 +51,19 @@ def wild_beyond(off: Column, spread: float, way: float, step: float, settings: R
     at = np.maximum(_BINS * np.exp(0.5 * _RATIO), 0.5 * _FIRST)
     each = np.where(at > _WILD, 1.0 / (at * orders), 0.0)  # any order of magnitude
     wild = _PARTS * each[some]
-    noise = np.stack([(1.0 - _PARTS) * _density(at[some] / _SCALES, nu) / _SCALES for nu in _KERNELS])
+    noise = np.stack([(1.0 - _PARTS) * _density(at[some], _SCALES, nu) for nu in _KERNELS])
     log = (counts[some] * np.log(noise + wild + 1e-300)).sum(axis=-1) + prior
     weight = np.exp(log - log.max())
     probable = np.zeros(len(_BINS))  # of a row in each bin, whether one is there or not
     for kernel, scale, part in np.argwhere(weight > _NEGLIGIBLE):
         width, share = float(_SCALES[scale, 0, 0]), float(_PARTS[part, 0])
-        usual = (1.0 - share) * _density(at / width, _KERNELS[kernel]) / width
+        usual = (1.0 - share) * _density(at, width, _KERNELS[kernel])
         probable += weight[kernel, scale, part] * share * each / (usual + share * each + 1e-300)
     usual_bins = np.flatnonzero(probable < 0.5 * weight[weight > _NEGLIGIBLE].sum())
     beyond = int(usual_bins[-1]) + 1 if len(usual_bins) else 0
     return float(_BINS[beyond] * spread) if beyond < len(_BINS) else np.inf
 
 
-def _density(unit: Column, freedom: float) -> Column:
-    """Density of the absolute value of a normal variable, or of one with Student's t distribution."""
-    if np.isinf(freedom):
-        return np.asarray(np.sqrt(2 / np.pi) * np.exp(-0.5 * unit**2))
-    from scipy.special import gammaln  # takes long to import
-
-    log = gammaln(0.5 * (freedom + 1)) - gammaln(0.5 * freedom) - 0.5 * np.log(freedom * np.pi)
-    return np.asarray(2 * np.exp(log - 0.5 * (freedom + 1) * np.log1p(unit**2 / freedom)))
+def _density(off: Column, scale: Column | float, freedom: float) -> Column:
+    """Density of the absolute value of noise."""
+    return 2.0 * np.exp(log_density(off, scale, freedom))

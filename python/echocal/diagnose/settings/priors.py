@@ -88,8 +88,9 @@ class PriorSettings:
         return [self.no_cause, self.one_cause, self.two_causes, self.three_causes]
 
     def of_counts(self, most: int) -> list[float]:
-        """Priors of zero to so many causes; each after the third divides the prior by ten."""
-        return [*self.counts, *(self.three_causes * 0.1**n for n in range(1, most - 2))][: most + 1]
+        """Priors of zero to so many causes; each after the third is as rare as the third after the second."""
+        rarer = self.three_causes / self.two_causes
+        return [*self.counts, *(self.three_causes * rarer**n for n in range(1, most - 2))][: most + 1]
 
     def log_of_set(self, count: int, competing: int) -> float:
         """Log prior of one set of so many causes: docs/method.md, Eq. 7 and 8, without forms and terms."""

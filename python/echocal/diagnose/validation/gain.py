@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import ndtri, stdtrit
 
-from echocal import _core
 from echocal.diagnose.findings.parts import Gain, Ladder
 from echocal.diagnose.inference.case import Case
+from echocal.diagnose.inference.least_squares import ROUNDING, principal
 from echocal.diagnose.inference.noise import VARIANCE_FLOOR, Noise
 from echocal.diagnose.preprocess.folds import Folds, Rows
 from echocal.diagnose.preprocess.table import Table, levels
@@ -37,8 +37,6 @@ Labels = NDArray[np.int64]
 
 Interval = tuple[float, float]
 
-_CACHED = 32_768  # rows whose differences fit into the cache of a processor
-
 
 INTERVAL = 0.95
 """Probability of the intervals of the gain and of the log score."""
@@ -46,6 +44,7 @@ INTERVAL = 0.95
 REACHABLE = 0.02
 """Of the mean square before: if less can be removed, there is no gain to reach."""
 
+_ROUNDS = 3  # of the fixed point of the floor: the variance sets the ridge, and the ridge the variance
 _RESAMPLES = 2000  # of the pieces
 _PIECES = 40  # most pieces
 _FEWEST_PIECES = 5  # the folds; there are not fewer, however long the memory is
@@ -73,10 +72,7 @@ class HeldOut:
     @cached_property
     def rms(self) -> float:
         """Root mean square [m]; NaN where no row is known."""
-        total = _squares(self.error)
-        if not np.isfinite(total):
-            return float(np.sqrt(np.mean(self.error[self.known] ** 2))) if self.known.any() else np.nan
-        return float(np.sqrt(total / len(self.error)))
+        return float(np.sqrt(np.mean(self.error[self.known] ** 2))) if self.known.any() else np.nan
 
     def of_units(self, table: Table) -> "HeldOut":
         """Mean errors of the units of a table."""
@@ -207,10 +203,15 @@ def floor(case: Case, variance: float) -> float:
     """
     sums, held = case.sums, case.folds.judged
     white = case.without_slow_air(sums.whiten(Noise(0.0, 0.0, 0.0, 1.0), held).products)
-    width = WIDEST
-    given = (sums.degrees(held), variance, VARIANCE_FLOOR**2, width)
+    squares, along = principal(white)
+    for _ in range(_ROUNDS):
+        ridge = max(variance, VARIANCE_FLOOR**2) / WIDEST**2
+        taken = float((along**2 * (squares + 2.0 * ridge) / (squares + ridge) ** 2).sum())
+        used = float((squares / (squares + ridge)).sum())
+        left = max(white[-1, -1] - taken, ROUNDING * white[-1, -1])
+        variance = left / max(sums.degrees(held) - used, 1.0)
     within = float(np.mean(case.table.deviation**2))  # of rows inside of units no column explains any
-    return float(np.sqrt(_core.residual_variance(white, *given) + within))
+    return float(np.sqrt(variance + within))
 
 
 def summarize(

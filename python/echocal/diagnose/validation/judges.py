@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Collection
 from dataclasses import dataclass, field, replace
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,12 +10,15 @@ from echocal.diagnose.findings.parts import HELD_OUT
 from echocal.diagnose.inference.case import Case
 from echocal.diagnose.inference.examine import examine
 from echocal.diagnose.inference.noise import Noise
+from echocal.diagnose.inference.posterior import infer
 from echocal.diagnose.inference.weigh_steps import StepPosterior
 from echocal.diagnose.noises.common.kinds import FittedNoise
+from echocal.diagnose.noises.common.posterior import infer_noises
 from echocal.diagnose.preprocess.base import Base
 from echocal.diagnose.preprocess.folds import Folds
 from echocal.diagnose.preprocess.table import Table, levels
-from echocal.diagnose.validation.chosen import chosen
+from echocal.diagnose.selection.claims import rank
+from echocal.diagnose.selection.select import select
 from echocal.diagnose.validation.gain import HeldOut, fixed_speed_rms, measure, on_common_rows
 from echocal.diagnose.validation.score import Score, score
 from echocal.diagnose.validation.trials import Rest, Trials
@@ -27,44 +29,7 @@ __all__ = ["HeldOutRows", "Judge", "Nested", "judge_of"]
 Column = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
-
-class Judge(Protocol):
-    """Rows on which a model is compared with the base."""
-
-    @property
-    def scheme(self) -> str:
-        """How these rows were chosen."""
-
-    @property
-    def held(self) -> Table | None:
-        """Rows that no other stage has, if the user holds out some."""
-
-    def base(self) -> HeldOut:
-        """Errors of the base."""
-
-    def judged(self, trials: Trials, rest: Rest) -> Rest:
-        """The same claims, with the errors of their model on these rows."""
-
-    def score(self, after: HeldOut, before: HeldOut, noise: Noise) -> Score:
-        """Log density of these rows with the judged model, less that with the base.
-
-        `noise` is that beside the claims; a fold that chooses by itself has its own.
-        """
-
-    def sized(self, trials: Trials, rest: Rest) -> HeldOut:
-        """Errors of a model with some causes, whose sizes are fitted without these rows."""
-
-    def compared(self, trials: Trials, one: HeldOut, other: HeldOut) -> Score:
-        """Log density of these rows with one such model, less that with another one."""
-
-    def extended(self, fitted: Callable[[Mask], Model]) -> HeldOut:
-        """Errors of a model that is a function of the blocks that it is fitted on."""
-
-    def models(self, fitted: Callable[[Mask], Model], kept: bool) -> Callable[[Mask], Model]:
-        """The model that some blocks choose; `fitted` is the final one, and whether it has causes."""
-
-    def fixed_speed(self) -> float:
-        """Error of a device that converts every echo with one speed [m]."""
+_UNLISTED = 1e-3  # probability that the least probable hypotheses share, which a fold leaves out
 
 
 @dataclass(frozen=True)
@@ -170,12 +135,19 @@ class Nested:
         return self._chosen(blocks)[0]
 
     def _chosen(self, blocks: Mask) -> tuple[Model, Noise]:
-        """The model that some blocks choose and fit, and the noise beside it."""
+        """The model that some blocks choose as the pipeline does, and fit, and the noise beside it.
+
+        The columns and the sums are those of the whole table: where a step or an edge may lie, and the
+        segments of an unknown level, are not searched again.
+        """
         if (key := blocks.tobytes()) in self.known:
             return self.known[key]
         folds = self.case.folds.within(blocks)
         part = replace(self._divided(blocks), folds=folds, signals={}, probable=self.noises)
-        selection = chosen(part, self.tried)
+        inference = infer(part, _UNLISTED)
+        shares = infer_noises(part, inference.fits, inference.reduced, self.tried)
+        ranking = rank(shares.fits, part.found.competing, part.settings)
+        selection = select(part, ranking, shares, inference.reduced)
         model = Trials(part, selection.noise).fitted(selection.best.hypothesis, selection.claims)(blocks)
         self.known[key] = model, selection.noise
         return self.known[key]
@@ -272,6 +244,10 @@ class HeldOutRows:
         if _stand(self.held, first) == _stand(self.case.table, last):
             level[groups == groups[first]] = seen()[others == others[last]].mean()
         return values - level
+
+
+Judge = Nested | HeldOutRows
+"""Rows on which a model is compared with the base."""
 
 
 def judge_of(

@@ -6,6 +6,7 @@ from scipy.special import fdtrc
 
 from echocal.diagnose.findings.parts import Remainder, SmoothCorrection
 from echocal.diagnose.inference.case import Case
+from echocal.diagnose.inference.least_squares import principal
 from echocal.diagnose.inference.noise import VARIANCE_FLOOR, Noise
 from echocal.diagnose.selection.claims import Ranking
 from echocal.diagnose.settings.priors import WIDEST
@@ -67,14 +68,11 @@ def explained(products: Matrix, rows: int, width: float) -> tuple[float, tuple[f
     width : float
         Prior standard deviation of each column's coefficient.
     """
-    among, along, square = products[1:-1, 1:-1], products[1:-1, -1], products[-1, -1]
-    square = max(square, rows * VARIANCE_FLOOR**2)
-    values, vectors = np.linalg.eigh(among)
-    values = np.maximum(values, 0.0)
+    square = max(products[-1, -1], rows * VARIANCE_FLOOR**2)
+    values, turned = principal(products)
     ridge = square / rows / width**2
     shrunk = values / (values + ridge)
     effective = float(np.sum(2 * shrunk - shrunk**2))
-    turned = vectors.T @ along
     mean = turned / (values + ridge)
     left = max(square - 2 * mean @ turned + mean**2 @ values, rows * VARIANCE_FLOOR**2)
     degrees = effective, rows - effective

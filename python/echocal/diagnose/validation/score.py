@@ -107,7 +107,6 @@ class _Whitening:
     ----------
     order : Order or None
         Of these rows; None for white noise.
-    noise : Noise
     groups : ndarray of int, or None
         Group of each of these rows; None where no group has a level.
     level : ndarray, or None

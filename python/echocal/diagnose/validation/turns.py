@@ -52,13 +52,7 @@ class Turns(NamedTuple):
 
 
 def in_turns(case: Case, model: Model) -> Turns | None:
-    """Find a short period in the order of the rows that explains most of what a model leaves.
-
-    Parameters
-    ----------
-    case : Case
-    model : Model
-    """
+    """Find a short period in the order of the rows that explains most of what a model leaves."""
     table = case.table.rows
     first = slice(0, MOST_ROWS)  # enough of a long table
     left = _left(table, model, first)

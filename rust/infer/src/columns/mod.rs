@@ -4,7 +4,6 @@
 //! function of a recorded quantity. It is described by a [`Recipe`] and made a block of rows at a
 //! time, where a pass over the rows needs it.
 
-mod basis;
 mod distinct;
 mod from_parts;
 mod legendre;
@@ -12,15 +11,10 @@ mod maker;
 mod onsets;
 mod pass;
 mod recipe;
-mod sampling;
 mod table;
 mod waves;
 
-pub use basis::{legendre_values, wave_values};
 pub use distinct::Distinct;
 pub use from_parts::FromParts;
-pub use legendre::legendre_lines;
 pub use recipe::{BasisFunction, Level, Recipe};
-pub use sampling::spread;
 pub use table::Columns;
-pub use waves::wave_means;

@@ -1,7 +1,6 @@
 //! Waves of a column: sines and cosines of its multiples (docs/method/rows-and-candidates.md, after Eq. 2a).
 #![allow(clippy::suboptimal_flops)] // without FMA every fused product is a call
 
-use super::sampling::spread;
 use echocal_core::batch::Line;
 
 /// A column, its period, and the first row of a block.
@@ -62,30 +61,6 @@ fn multiplied((sine, cosine): (f64, f64), multiple: usize) -> (f64, f64) {
     (s, c)
 }
 
-/// Sine and cosine of the multiples of a value's phase in a period, from the first on.
-pub(super) fn waves(value: f64, period: f64) -> impl Iterator<Item = (f64, f64)> {
-    let phase = fundamental(value, period);
-    (1..).map(move |multiple| multiplied(phase, multiple))
-}
-
-/// Means of the sine and the cosine of the first so many multiples; of many rows, over some evenly
-/// spread.
-pub fn wave_means(multiples: usize, column: &[f64], period: f64) -> Vec<(f64, f64)> {
-    let mut sums = vec![(0.0, 0.0); multiples];
-    let mut rows = 0.0;
-    for value in spread(column) {
-        let phase = fundamental(value, period);
-        rows += 1.0;
-        for (multiple, (sines, cosines)) in sums.iter_mut().enumerate() {
-            let (sine, cosine) = multiplied(phase, 1 + multiple);
-            *sines += sine;
-            *cosines += cosine;
-        }
-    }
-    let mean = |(sines, cosines): (f64, f64)| (sines / rows, cosines / rows);
-    sums.into_iter().map(mean).collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -103,14 +78,6 @@ mod tests {
                     assert!((found - at(phase)).abs() < 1e-14, "{multiple} {hour}");
                 }
             }
-        }
-    }
-
-    #[test]
-    fn whole_periods_have_no_mean() {
-        let hours: Vec<f64> = (0..240).map(f64::from).collect();
-        for (sine, cosine) in wave_means(2, &hours, 24.0) {
-            assert!(sine.abs() < 1e-14 && cosine.abs() < 1e-14);
         }
     }
 }

@@ -11,7 +11,6 @@ mod panels;
 mod products;
 mod source;
 mod tiles;
-mod total;
 
 pub(crate) use classes::{Class, ClassLists, ClassSums, join};
 pub(crate) use filter::{FilterStep, beginning, forget};
@@ -21,4 +20,3 @@ pub(crate) use panels::Panels;
 pub use products::{Edge, LagProducts};
 pub use source::{Reader, Source, Stored};
 pub(crate) use tiles::{GROUP, add_products};
-pub use total::gram;

@@ -1,6 +1,5 @@
 //! A block of rows of many columns, as the sums of products read them.
 #![allow(unsafe_code)]
-#![allow(clippy::needless_range_loop)] // plain loops over constant sizes stay in registers
 
 use super::filter::FilterStep;
 use super::tiles::{GROUP, Rows, added};
@@ -11,8 +10,6 @@ use echocal_core::simd::{Eight, OnVectors, Vector, interleave, on_vectors};
 const ROWS: usize = 1 + BLOCK;
 /// Numbers of a panel.
 const PANEL: usize = ROWS * GROUP;
-/// Vectors whose recursions go on at the same time: each waits for its own last row.
-const IN_FLIGHT: usize = 4;
 
 /// Rows of columns, of which eight lie side by side: row 0 is the one before the block.
 pub(crate) struct Panels {
@@ -115,41 +112,15 @@ impl Panels {
         begins: &[bool],
     ) {
         assert!(begins.len() <= BLOCK && plain.width == self.width);
-        let mut column = 0;
-        while column + IN_FLIGHT * V::WIDTH <= self.width {
-            self.moving_average_some::<V, IN_FLIGHT>(plain, coefficient, begins, column);
-            column += IN_FLIGHT * V::WIDTH;
-        }
-        while column < self.width {
-            self.moving_average_some::<V, 1>(plain, coefficient, begins, column);
-            column += V::WIDTH;
-        }
-    }
-
-    #[inline(always)]
-    fn moving_average_some<V: Vector<Element = f64>, const N: usize>(
-        &mut self,
-        plain: &Self,
-        coefficient: f64,
-        begins: &[bool],
-        column: usize,
-    ) {
-        let (mut sources, mut targets) = ([plain.rows().column(0); N], [self.target(0); N]);
-        let mut state = [V::constant(0.0); N];
-        for j in 0..N {
-            sources[j] = plain.rows().column(column + j * V::WIDTH);
-            targets[j] = self.target(column + j * V::WIDTH);
-            // SAFETY: the caller's, as below: the columns lie within the width, the rows in a block.
-            state[j] = unsafe { V::load(targets[j]) };
-        }
-        for (row, &begins) in begins.iter().enumerate() {
-            let factor = V::constant(if begins { 0.0 } else { coefficient });
-            let at = (1 + row) * GROUP;
-            for j in 0..N {
-                // SAFETY: as above.
-                unsafe {
-                    state[j] = added(factor, state[j], V::load(sources[j].add(at)));
-                    state[j].store(targets[j].add(at));
+        for column in (0..self.width).step_by(V::WIDTH) {
+            let (target, source) = (self.target(column), plain.rows().column(column));
+            // SAFETY: the columns lie within the width, the rows in a block.
+            unsafe {
+                let mut state = V::load(target);
+                for (row, &begins) in (1..).zip(begins) {
+                    let factor = V::constant(if begins { 0.0 } else { coefficient });
+                    state = added(factor, state, V::load(source.add(row * GROUP)));
+                    state.store(target.add(row * GROUP));
                 }
             }
         }

@@ -165,11 +165,3 @@ fn sums_of_a_pass_are_those_of_the_whitened_series() {
         );
     }
 }
-
-#[test]
-fn ids_are_unique() {
-    let ids: Vec<&str> = NoiseCorrelation::ALL.iter().map(|facts| facts.id).collect();
-    for (place, id) in ids.iter().enumerate() {
-        assert!(!ids[..place].contains(id), "{id} is twice in the registry");
-    }
-}

@@ -10,7 +10,7 @@
 
 #![allow(clippy::suboptimal_flops)] // without FMA every fused product is a call
 
-use super::correlation::{Autoregression, Correlation, CorrelationFacts};
+use super::correlation::{Autoregression, Correlation};
 use crate::gram::{
     Class, ClassLists, ClassSums, FilterStep, GROUP, LagProducts, Panels, Reader, RowLayout,
     Source, beginning, forget, join, narrow, triangles,
@@ -28,6 +28,9 @@ pub enum Path {
 }
 
 /// White noise, and an autocorrelated part that grows with the distance.
+///
+/// Covariance of lag k in units of the white noise: growth sqrt(d_i d_j) rho^k, and 1 more at lag 0; where
+/// the air is alike along the whole path: (growth d_i d_j rho^k + \[k = 0\]) / (1 + growth).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Convection {
     /// Autoregressive coefficient of the autocorrelated part.
@@ -101,14 +104,6 @@ impl Filter {
 }
 
 impl Correlation for Convection {
-    const FACTS: CorrelationFacts = CorrelationFacts {
-        id: "convection",
-        sentence: "Warm cells drift through the path of the echo; their variance grows with the distance.",
-        covariance: "of lag k in units of the white noise: growth sqrt(d_i d_j) rho^k, and 1 more at lag 0; where \
-                     the air is alike along the whole path: (growth d_i d_j rho^k + [k = 0]) / (1 + growth)",
-        source: "Andreeva & Durgin 2005, doi:10.1080/17455030500284170; Kalman 1960, doi:10.1115/1.3662552",
-    };
-
     /// One pass over the rows for all convections; the sums are those of white rows.
     fn gather(
         source: &dyn Source,

@@ -3,19 +3,6 @@
 use crate::gram::{LagProducts, RowLayout, Source};
 use core::fmt::Debug;
 
-/// What is known about a model of correlated noise.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct CorrelationFacts {
-    /// Name in Python and in the documentation.
-    pub id: &'static str,
-    /// What the model says, in one sentence.
-    pub sentence: &'static str,
-    /// Covariance of two rows of one series, as a formula.
-    pub covariance: &'static str,
-    /// Where the model comes from.
-    pub source: &'static str,
-}
-
 /// The autoregressive part beside a model whose one pass serves every coefficient.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Autoregression {
@@ -30,9 +17,6 @@ pub struct Autoregression {
 /// One file for each model, and one line in `registry!` of [`crate::noise`]; the tests there try
 /// every model of the registry.
 pub trait Correlation: Copy + Debug + PartialEq {
-    /// What is known about the model.
-    const FACTS: CorrelationFacts;
-
     /// The sums of products of the filtered columns for each of some models, in one pass over the
     /// rows, on at most so many threads. The sums do not depend on the number of threads.
     ///

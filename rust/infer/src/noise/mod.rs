@@ -1,19 +1,15 @@
-//! Models of noise: how it is correlated, how it is distributed, and what rows share.
+//! Models of noise: how it is correlated, and what rows share.
 //!
 //! Correlation is a registry. To add a model, write its file with the trait [`Correlation`] and add
-//! one line to `registry!` below: the gathering of sums, the whitening, Python's list of models and
-//! the conformance tests read the registry.
+//! one line to `registry!` below: the gathering of sums, the whitening and the conformance tests read
+//! the registry.
 
 mod correlation;
-mod density;
 mod shared_error;
-mod slips;
 mod whiten;
 
 pub use convection::Path;
-pub use correlation::{Autoregression, Correlation, CorrelationFacts};
-pub use density::NoiseDensity;
-pub use slips::{CycleSlips, SlipMixture};
+pub use correlation::{Autoregression, Correlation};
 pub use whiten::{NoiseModel, TableSums};
 
 use crate::gram::{LagProducts, RowLayout, Source};
@@ -29,9 +25,6 @@ macro_rules! registry {
         }
 
         impl NoiseCorrelation {
-            /// What is known about each model, in the order of the registry.
-            pub const ALL: &[CorrelationFacts] = &[$($model::FACTS),+];
-
             /// The sums of products of the filtered columns for each of some models, in at most one
             /// pass over the rows for each kind.
             ///

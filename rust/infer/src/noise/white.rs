@@ -1,21 +1,14 @@
 //! White noise: rows are independent.
 
 use super::autocorrelation::MovingAverage;
-use super::correlation::{Autoregression, Correlation, CorrelationFacts};
+use super::correlation::{Autoregression, Correlation};
 use crate::gram::{LagProducts, RowLayout, Source};
 
-/// White noise.
+/// White noise: the covariance is 1 at lag 0, else 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct White;
 
 impl Correlation for White {
-    const FACTS: CorrelationFacts = CorrelationFacts {
-        id: "white",
-        sentence: "The noise of a row does not depend on that of any other row.",
-        covariance: "in units of the noise: 1 at lag 0, else 0",
-        source: "definition",
-    };
-
     /// The sums of rows each of which begins a series.
     fn gather(
         source: &dyn Source,

@@ -1,6 +1,5 @@
 //! Arithmetic: functions of one number, packs of several, and small linear systems.
 
-pub(crate) mod cholesky;
 mod elementary;
 mod normal;
 mod pack;

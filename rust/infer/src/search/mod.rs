@@ -7,11 +7,9 @@ mod options;
 mod posterior;
 mod prior;
 mod pruning;
-mod ranking;
 mod shortlist;
 
 pub use form_preference::preferred_form;
 pub use options::SearchOptions;
 pub use posterior::{Outcome, Posterior, posterior};
 pub use prior::Prior;
-pub use ranking::{CauseSet, RankedHypothesis, Ranking, rank};

@@ -93,10 +93,6 @@ def infer_noises(
         Products under the noise models that some hypothesis makes probable.
     tried : collection of FittedNoise
         Noises that compete.
-
-    Returns
-    -------
-    NoisePosterior
     """
     settings = case.settings.noises
     fits = _with_nothing(case, fits, reduced)
@@ -261,7 +257,6 @@ class _NuisancePrior:
 
     Attributes
     ----------
-    id : str
     prior : float
         Probability that a table has it.
     assumed : float

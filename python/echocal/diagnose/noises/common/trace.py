@@ -6,20 +6,14 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from echocal import _core
+from echocal.diagnose.preprocess.density import fitted
 
-__all__ = ["KERNELS", "Likelihood", "Trace", "group_medians", "log_density"]
+__all__ = ["KERNELS", "Likelihood", "Trace", "group_medians"]
 
 Column = NDArray[np.float64]
 
 KERNELS = (np.inf, 8.0, 4.0, 2.5)
 """Degrees of freedom of the noise below everything: normal, and heavier tails."""
-
-
-def log_density(values: Column, scale: Column | float, freedom: float) -> Column:
-    """Log density of Student's t, or of the normal distribution for infinite degrees of freedom."""
-    unit = values / scale
-    return np.asarray(_core.log_density(unit.ravel(), freedom).reshape(unit.shape) - np.log(scale))
 
 
 @dataclass(frozen=True)
@@ -113,5 +107,5 @@ def group_medians(values: Column, groups: NDArray[np.int64]) -> Column:
 
 
 def _averaged(values: Column, least: float) -> float:
-    _, logs = _core.fitted_densities(values[None], KERNELS, least)
-    return float(np.logaddexp.reduce(logs[:, 0]) - np.log(len(KERNELS)))
+    logs = [float(fitted(values, freedom, least)[1]) for freedom in KERNELS]
+    return float(np.logaddexp.reduce(logs) - np.log(len(KERNELS)))

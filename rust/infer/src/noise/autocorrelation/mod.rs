@@ -20,11 +20,13 @@
 
 mod span;
 
-use super::correlation::{Autoregression, Correlation, CorrelationFacts};
+use super::correlation::{Autoregression, Correlation};
 use crate::gram::{Class, ClassSums, Edge, GROUP, LagProducts, RowLayout, Source, add, mirrored};
 use span::{KINDS, Parts, Plan, gathered};
 
 /// The moving-average part of an ARMA(1,1); one pass serves every autoregressive coefficient.
+///
+/// Covariance of lag k in units of the innovations: rho^(k-1) (rho - m) (1 - rho m) / (1 - rho^2).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MovingAverage {
     /// Moving-average coefficient `m`, 0 for a plain autoregression.
@@ -32,13 +34,6 @@ pub struct MovingAverage {
 }
 
 impl Correlation for MovingAverage {
-    const FACTS: CorrelationFacts = CorrelationFacts {
-        id: "autoregression",
-        sentence: "What disturbs a row fades over the rows that follow, beside white noise.",
-        covariance: "of lag k in units of the innovations: rho^(k-1) (rho - m) (1 - rho m) / (1 - rho^2)",
-        source: "Box, Jenkins & Reinsel 2008, Time Series Analysis, section A4.3",
-    };
-
     /// One pass over the rows for all coefficients.
     fn gather(
         source: &dyn Source,
