@@ -6,7 +6,6 @@
 
 import argparse
 import json
-import sys
 from concurrent.futures import ProcessPoolExecutor
 from copy import deepcopy
 from pathlib import Path
@@ -19,11 +18,9 @@ import echocal
 from echocal.watch import WatchSettings
 from echocal.watch.monitor import Monitor
 from echocal.watch.signatures import Signatures
+from echocal.watch.threshold import cusum_delay
 
 ROOT = Path(__file__).parents[1]
-sys.path.insert(0, str(ROOT / "tests" / "reference"))
-from cusum import cusum_delay  # noqa: E402
-
 RESULTS, FIGURE = ROOT / "benches" / "watch.json", ROOT / "docs" / "watch.png"
 DAY, WAIT, NOISE = 86400.0, 600.0, 1e-3
 RHOS = (0.0, 0.9)

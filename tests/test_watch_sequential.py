@@ -4,7 +4,6 @@ import math
 
 import numpy as np
 import pytest
-from cusum import cusum_delay, cusum_run_length, cusum_threshold
 from watched import WAIT, noise, temperatures
 
 import echocal
@@ -12,7 +11,15 @@ from echocal.watch import WatchSettings
 from echocal.watch.monitor import Alarm, Monitor
 from echocal.watch.settings import WatchSettings as Numbers
 from echocal.watch.signatures import Signatures
-from echocal.watch.threshold import false_alarm_rate, overshoot, slack, threshold
+from echocal.watch.threshold import (
+    cusum_delay,
+    cusum_run_length,
+    cusum_threshold,
+    false_alarm_rate,
+    overshoot,
+    slack,
+    threshold,
+)
 
 YEAR = 365.25 * 86400.0
 
