@@ -81,6 +81,7 @@ class Parquet:
 
     def __init__(self, path: Path, job: Job, *, whole: bool = False) -> None:
         self.path, self.job = path, job
+        arrow()  # a missing library is told before a damaged file
         with path.open("rb") as raw:
             self.footer = f.read_footer(raw, str(path), job.memory - FIXED)
         with _readable(path):
